@@ -5,8 +5,12 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <imgui/imgui.h>
 
+#include "fixtures/files/definition_list.h"
+#include "tests/support/definition_files.h"
+#include "tests/support/temp_folder.h"
 #include "tests/tools/footlight/edit_desk.h"
 #include "tests/tools/footlight/panels_test_imgui.h"
 #include "tests/tools/footlight/ui_rigs.h"
@@ -68,6 +72,52 @@ void universes_changing(benchmark::State& state) { draw_panels(state, "universes
 void patch(benchmark::State& state) { draw_panels(state, "fixtures", false); }
 void inspector(benchmark::State& state) { draw_panels(state, "inspector", false); }
 void timeline(benchmark::State& state) { draw_panels(state, "timeline", false); }
+// 10,000 files are listed: the panel draws those that are in sight.
+void library(benchmark::State& state) {
+  const testing::TempFolder folder;
+  for (int i = 0; i < state.range(0); ++i) {
+    folder.write(fmt::format("{:05}.qxf", i), testing::qxf_head("Maker", fmt::format("Head {:05}", i), {{"m", 4}}));
+  }
+  const testing::UiRig rig = testing::many_fixtures(24);
+  UiDesk desk(rig.rig, rig.compiled);
+  desk.list_definitions_in({{folder.path().string()}});
+  UiPanels open;
+  if (!open.open_words("library", desk)) state.SkipWithError("no such panel");
+  const testing::HeadlessImGui imgui(1920, 1080);
+  const UiInput input;
+  const auto draw = [&] {
+    ImGui::NewFrame();
+    open.draw(desk, input, 1920, 1080);
+    ImGui::Render();
+    benchmark::DoNotOptimize(ImGui::GetDrawData()->TotalVtxCount);
+  };
+  // Until all are read: the line with "reading" has gone.
+  for (std::string words = "stop"; words.find("stop") != std::string::npos;) {
+    ImGui::NewFrame();
+    ImGui::LogToClipboard();
+    open.draw(desk, input, 1920, 1080);
+    ImGui::LogFinish();
+    ImGui::Render();
+    words = ImGui::GetClipboardText();
+  }
+  for (auto _ : state) draw();
+}
+
+void library_search(benchmark::State& state) {
+  std::vector<fixtures::Definition> all;
+  for (int i = 0; i < state.range(0); ++i) {
+    all.push_back({{fmt::format("/usr/share/fixtures/{}.qxf", i), "qxf", fmt::format("Maker {}", i % 97),
+                    fmt::format("Model {}", i)},
+                   "par, flood",
+                   {{"standard", 8, 8}, {"extended 16 bit", 24, 24}},
+                   0,
+                   ""});
+  }
+  fixtures::DefinitionList list;
+  list.add(std::move(all));
+  for (auto _ : state) benchmark::DoNotOptimize(list.search("bit 99").size());
+}
+
 void all_selected(benchmark::State& state) { draw_panels(state, "universes,fixtures,inspector", true); }
 
 // A click on the picture.
@@ -142,6 +192,8 @@ BENCHMARK(universes_changing)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(patch)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(inspector)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(timeline)->Arg(24)->Unit(benchmark::kMillisecond);
+BENCHMARK(library)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(library_search)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(all_selected)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(click)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(take_all)->Arg(10'000)->Unit(benchmark::kMillisecond);

@@ -3,6 +3,9 @@
 
 #include <filesystem>
 
+#include "fixtures/edit/add_fixtures.h"
+#include "fixtures/files/definition_list.h"
+#include "tests/support/definition_files.h"
 #include "tests/tools/footlight/edit_rigs.h"
 
 namespace footlight::testing {
@@ -72,6 +75,42 @@ TEST_CASE("undone to what is saved, or saved, there is no copy; and none is left
   REQUIRE(lost);
   CHECK(lost->target == file.target());
   CHECK(lost->known == file.known());
+}
+
+TEST_CASE("a copy has the types that were added since the copy before, and not those that were undone") {
+  const TempFolder folder;
+  const std::string state = folder.file("state");
+  const std::string path = folder.write("club.toml", kCommentedRig);
+  const auto add = [&](RigFile& file, const std::string& definition) {
+    fixtures::NewFixtures row;
+    row.type = std::make_shared<const fixtures::FixtureType>(*fixtures::open_definition(definition));
+    auto edit = fixtures::add_fixtures(file.rig(), row);
+    REQUIRE(edit);
+    edit->apply(file.rig());
+    fixtures::follow_types(file.imported());
+    return std::move(*edit);
+  };
+  const auto copied = [&] {
+    auto lost = tools::find_lost_edits(state, path);
+    REQUIRE(lost);
+    auto file = tools::open_lost_edits(*lost);
+    REQUIRE_MESSAGE(file, file.error().message);
+    return fixtures::type_of(file->rig(), file->rig().fixtures.back()).name;
+  };
+  const std::string one = folder.write("a/head.qxf", qxf_head("Robe", "One", {{"m", 4}}));
+  const std::string two = folder.write("b/head.qxf", qxf_head("Robe", "Two", {{"m", 3}}));
+  RigFile file = opened_file(path);
+  {
+    Autosave copies(file, state);
+    CHECK(copies.write_now(1).has_value());
+    const fixtures::RigEdit edit = add(file, one);
+    CHECK(copies.write_now(2).has_value());
+    edit.undo(file.rig());
+    fixtures::follow_types(file.imported());
+    add(file, two);  // another file of the same name
+    CHECK(copies.write_now(3).has_value());
+  }
+  CHECK(copied() == "Two");
 }
 
 TEST_CASE("two windows with one rig have a copy each, and a lost one is not overwritten") {

@@ -171,6 +171,7 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
       {{"fixtures", "check", missing}, 3, {"missing.dmxlog"}},
       {{"fixtures", "find"}, 2, {"fixtures find", "words"}},
       {{"fixtures", "find", "qqqzzzxxx"}, 3, {"qqqzzzxxx", "--library"}},
+      {{"fixtures", "list", "qqqzzzxxx"}, 3, {"qqqzzzxxx", "--library"}},
       {{"fixtures", "convert"}, 2, {"fixtures convert", "FILE"}},
       {{"fixtures", "convert", missing, "-o", "x.txt"}, 2, {"x.txt", ".toml"}},
       {{"fixtures", "convert", missing, "-o", "x.toml"}, 3, {"missing.dmxlog"}},

@@ -61,7 +61,7 @@ inline tools::RigFile opened_file(const std::string& path) {
 inline void lift(tools::RigFile& file, const std::vector<int>& which) {
   auto edit = fixtures::move_fixtures(file.rig(), which, {0, 0, 0.5});
   REQUIRE(edit);
-  edit->apply(file.rig().fixtures);
+  edit->apply(file.rig());
 }
 
 inline tools::SaveReport saved(tools::RigFile& file) {

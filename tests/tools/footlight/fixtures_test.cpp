@@ -12,6 +12,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/definition_files.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/zip_bytes.h"
 #include "tests/tools/footlight/run_footlight.h"
@@ -322,6 +323,41 @@ TEST_CASE("show prints modes, geometries, channels, functions, sets, wheels and 
   const Outcome none = footlight({"fixtures", "show", head, "--mode", "huge"});
   CHECK(none.exit_code == 3);
   CHECK(contains(none.err, "\"Small\", \"Large\""));
+}
+
+TEST_CASE("list prints definitions that have all words with their modes, and files that cannot be read") {
+  const TempFolder folder;
+  folder.write("own/one.qxf", qxf_head("Usmaker", "Spot One", {{"short", 3}, {"long", 4}}));
+  folder.write("own/cut.qxf", "<?xml version=\"1.0\"?><FixtureDefinition><Manufacturer>Usmaker");
+  folder.write("show/beside.qxf", qxf_head("Usmaker", "Beside", {{"only", 4}}));
+  const std::vector<std::string> own{"--library", folder.file("own"), "--rig", folder.file("show/show.toml")};
+  const auto list = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"fixtures", "list"});
+    words.insert(words.end(), own.begin(), own.end());
+    return footlight(words);
+  };
+  const Outcome found = list({"SPOT", "usmaker"});
+  CHECK(found.exit_code == 0);
+  CHECK(contains(found.out, "short (3), long (4)  " + folder.file("own/one.qxf") + "\n"));
+  CHECK(contains(found.out, "moving head"));
+  CHECK(!contains(found.out, "Beside"));
+  CHECK(contains(found.err, "footlight: 1 of "));
+  CHECK(contains(found.err, "1 cannot be read"));
+  const std::vector<Json> lines = lines_of(list({"usmaker", "--json"}).out);
+  REQUIRE(lines.size() == 2);  // in the order of their names
+  CHECK(lines[0]["model"] == "Beside");
+  CHECK(lines[1]["gobos"] == 2);
+  CHECK(lines[1]["modes"] == Json::parse(R"([{"name": "short", "slots": 3, "channels": 3},
+                                             {"name": "long", "slots": 4, "channels": 4}])"));
+  const std::vector<Json> broken = lines_of(list({"cut", "--json"}).out);
+  REQUIRE(!broken.empty());
+  CHECK(contains(broken[0]["error"].get<std::string>(), "cut.qxf:1"));
+  const Outcome builtin = list({"generic", "profile"});
+  CHECK(contains(builtin.out, "  generic/profile\n"));
+  const Outcome none = list({"qqqzzzxxx"});
+  CHECK(none.exit_code == 3);
+  CHECK(contains(none.err, "no definition has all words of 'qqqzzzxxx'"));
+  CHECK(contains(none.err, folder.file("own")));
 }
 
 }  // namespace

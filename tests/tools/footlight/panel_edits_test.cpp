@@ -9,8 +9,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/tools/footlight/edit_desk.h"
-#include "tests/tools/footlight/panels_test_imgui.h"
+#include "tests/tools/footlight/edit_ui.h"
 #include "tools/footlight/preview/mouse_queue.h"
 #include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/menu.h"
@@ -21,95 +20,15 @@
 namespace footlight::tools {
 namespace {
 
-using footlight::testing::EditDesk;
+using footlight::testing::EditUi;
 using footlight::testing::kUiRig;
 using footlight::testing::many_fixtures;
 using footlight::testing::parsed_rig;
 
 constexpr std::size_t kFixtures = 2;
 constexpr std::size_t kInspector = 3;
-constexpr int kEnter = 13;
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
-
-// A user interface with a mouse and a keyboard, over a rig that can be edited.
-class EditUi {
- public:
-  explicit EditUi(fixtures::Rig rig) : edit(std::move(rig)), desk(edit.desk) {
-    ImGui::GetIO().KeyMap[ImGuiKey_Enter] = kEnter;
-  }
-
-  void frame() {
-    const std::vector<std::uint8_t> levels(desk.compiled().universes.size() * kSlotCountMax);
-    UiInput input;
-    input.levels = levels;
-    input.now_ns = now_ns += kNsPerS / 60;
-    ImGui::NewFrame();
-    if (logs) ImGui::LogToClipboard();
-    open.draw(desk, input, 1280, 720);
-    if (asks) answer = question.draw("/shows/club.toml", "");
-    if (logs) ImGui::LogFinish();
-    ImGui::Render();
-  }
-  std::string words() {
-    logs = true;
-    frame();
-    logs = false;
-    return ImGui::GetClipboardText();
-  }
-  void show(std::size_t panel) {
-    open.set_open(panel, true, desk);
-    for (int i = 0; i < 3; ++i) frame();
-  }
-  void press(float x, float y, int button = 0) {
-    ImGuiIO& io = ImGui::GetIO();
-    io.MousePos = {x, y};
-    frame();
-    io.MouseDown[button] = true;
-    frame();
-    io.MouseDown[button] = false;
-    frame();
-  }
-  void pause() {
-    for (int i = 0; i < 60; ++i) frame();  // clicks after it do not count as double clicks
-  }
-  void twice(float x, float y) {
-    pause();
-    press(x, y);
-    press(x, y);
-    frame();
-  }
-  // Over what is in the field, which is selected.
-  void type(const std::string& text) {
-    for (int i = 0; i < 3; ++i) frame();
-    for (const char c : text) ImGui::GetIO().AddInputCharacter(static_cast<unsigned>(c));
-    frame();
-    ImGui::GetIO().KeysDown[kEnter] = true;
-    frame();
-    ImGui::GetIO().KeysDown[kEnter] = false;
-    frame();
-  }
-  // Where a click selects a fixture of the patch; a negative place if there is none.
-  ImVec2 row_of(int fixture, float x) {
-    for (float y = 78; y < 420; y += 4) {  // below the headings
-      pause();
-      press(x, y);
-      if (desk.state().selection.lead == fixture) return {x, y + 2};
-    }
-    return {-1, -1};
-  }
-  static bool has_popup() { return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel); }
-
-  testing::HeadlessImGui imgui{1280, 720};
-  EditDesk edit;
-  UiDesk& desk;
-  UiPanels open;
-  bool logs = false;
-  bool asks = false;
-  CloseQuestion question;
-  std::optional<CloseAnswer> answer;
-  TimeNs now_ns = kNsPerS;
-};
 
 TEST_CASE("a double click on a name edits it, Enter takes it, and undo brings it back") {
   EditUi ui(parsed_rig(kUiRig));

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/definition_files.h"
 #include "tests/tools/footlight/run_footlight.h"
 
 namespace footlight::testing {
@@ -130,6 +131,45 @@ TEST_CASE("edits that would share slots, or are not possible, name the fixture a
   refused({"--select", "Par", "--move", "1,2"}, "--move '1,2': expected three numbers such as 1,-2.5,0");
   refused({"--select", "Par", "--place", "1,-,x"}, "with - for an axis that stays");
   refused({"--select", "Par", "--unpatch", "-o", "x.mvr"}, "-o 'x.mvr': expected a file name that ends in .toml");
+}
+
+TEST_CASE("fixtures of a definition are added, and the rig file is read again with a copy of it") {
+  const TempFolder folder;
+  const std::string rig = folder.write("rig.toml", kEditedRig);
+  const std::string head = folder.write("heads/one.qxf", qxf_head("Robe", "Spot One", {{"short", 3}, {"long", 4}}));
+  const std::string out = folder.file("out/more.toml");
+  fs::create_directory(folder.file("out"));
+  const Outcome done = edit({rig, "--add", head, "--mode", "long", "--count", "3", "--offset", "0,2,0", "--place",
+                             "1,-,6", "--number", "50", "-o", out});
+  CHECK_MESSAGE(done.exit_code == 0, done.err);
+  CHECK(contains(done.out, "add 3 Spot One from 1.43\n"));
+  CHECK(contains(done.out, "Spot One 3: new, address 1.51\n"));
+  fs::remove_all(folder.file("heads"));
+  const Json after = fixtures_of(out);
+  CHECK(after.size() == 7);
+  CHECK(after["Spot One 2"]["addresses"] == "1.47");
+  CHECK(after["Spot One 2"]["mode"] == "long");
+  CHECK(after["Spot One 2"]["fixture_id"] == "51");
+  CHECK(after["Spot One 3"]["position_m"] == Json({1.0, 4.0, 6.0}));
+  const Outcome more = edit({out, "--add", "generic/par", "--patch", "1.1", "--share", "-o", folder.file("b.toml")});
+  CHECK(more.exit_code == 0);
+  CHECK(fixtures_of(folder.file("b.toml")).size() == 8);
+  CHECK(edit({out, "--add", "generic/par", "--patch", "1.1", "-o", folder.file("c.toml")}).exit_code == 2);
+}
+
+TEST_CASE("what cannot be added is refused with the next step") {
+  const TempFolder folder;
+  const std::string rig = folder.write("rig.toml", kEditedRig);
+  const Outcome unknown = edit({rig, "--add", "robe pointe"});
+  CHECK(unknown.exit_code == 3);
+  CHECK(contains(unknown.err, "'footlight fixtures list robe pointe' searches them"));
+  const Outcome mode = edit({rig, "--add", "generic/par", "--mode", "nonsense"});
+  CHECK(mode.exit_code == 3);
+  CHECK(contains(mode.err, "has no mode 'nonsense'; it has '"));
+  const Outcome both = edit({rig, "--add", "generic/par", "--select", "Par"});
+  CHECK(both.exit_code == 2);
+  CHECK(contains(both.err, "leave out --select, --clone and --delete"));
+  CHECK(edit({rig, "--add", folder.write("a.qxf", "hello")}).exit_code == 2);
 }
 
 TEST_CASE("numbers may begin with a minus") {

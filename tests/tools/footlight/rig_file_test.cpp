@@ -12,7 +12,10 @@
 #include <unistd.h>
 
 #include "fixtures/builtin/builtin.h"
+#include "fixtures/edit/add_fixtures.h"
+#include "fixtures/files/definition_list.h"
 #include "fixtures/files/toml/fixture_toml_full.h"
+#include "tests/support/definition_files.h"
 #include "tests/tools/footlight/edit_rigs.h"
 #include "tools/footlight/edit/autosave.h"
 
@@ -106,6 +109,63 @@ void check_heads(const RigFile& file) {
   CHECK(file_of(file.rig().types[1], "wheel/star.png") == "b/");
   CHECK(file_of(file.rig().types[2], "Mine/a.svg") == "hole");
   CHECK(file.rig().types[3].name == "Bar");
+}
+
+fixtures::RigEdit add_to(RigFile& file, const std::string& path, int mode = 0) {
+  auto type = fixtures::open_definition(path);
+  REQUIRE_MESSAGE(type, type.error().message);
+  fixtures::NewFixtures row;
+  row.type = std::make_shared<const fixtures::FixtureType>(std::move(*type));
+  row.mode = mode;
+  row.count = 2;
+  auto edit = fixtures::add_fixtures(file.rig(), row);
+  REQUIRE_MESSAGE(edit, edit.error().message);
+  edit->apply(file.rig());
+  return std::move(*edit);
+}
+
+TEST_CASE(
+    "fixtures that were added are saved with their definitions and its images, and read back without the originals") {
+  const TempFolder folder;
+  RigFile file = opened_file(write_show(folder));
+  const std::string head = qxf_head("Robe", "Spot One", {{"short", 3}, {"long", 4}});
+  add_to(file, folder.write("library/Robe/one.qxf", head), 1);
+  folder.write("library/Robe/gobos/Others/dots.png", "picture");
+  add_to(file, folder.write("library/maker/flat.json", kOflPar));
+  add_to(file, "generic/wash");
+  (void)saved(file);
+  CHECK(read(folder.file("show_files/one/one.qxf")) == head);
+  fs::remove_all(folder.file("library"));
+  fs::remove(folder.file("show.mvr"));
+  RigFile again = opened_file(folder.file("show.toml"));
+  const fixtures::Rig& rig = again.rig();
+  REQUIRE(rig.fixtures.size() == 10);
+  const auto type_at = [&](std::size_t i) { return fixtures::type_of(rig, rig.fixtures[i]).name; };
+  CHECK(rig.fixtures[4].name == "Spot One 1");
+  CHECK(type_at(4) == "Spot One");
+  CHECK(fixtures::mode_of(rig, rig.fixtures[5]).name == "long");
+  CHECK(type_at(7) == "Flat Par");
+  CHECK(fixtures::type_of(rig, rig.fixtures[9]).id == "generic/wash");
+  CHECK(fixtures::text_of_patch(rig.fixtures[4]) == "1.9");
+  // The next session may add the same definition from the folder of files, and save.
+  add_to(again, folder.file("show_files/one/one.qxf"));
+  CHECK(again.rig().types.size() == rig.types.size());
+  (void)saved(again);
+  CHECK(opened_file(folder.file("show.toml")).rig().fixtures.size() == 12);
+}
+
+TEST_CASE("a definition that was added and undone is not in the file, and another one takes its place") {
+  const TempFolder folder;
+  RigFile file = opened_file(folder.write("club.toml", kCommentedRig));
+  const fixtures::RigEdit first = add_to(file, folder.write("a/one.qxf", qxf_head("Robe", "One", {{"m", 4}})));
+  first.undo(file.rig());
+  (void)saved(file);
+  CHECK(!fs::exists(folder.file("club_files")));
+  add_to(file, folder.write("b/one.qxf", qxf_head("Robe", "Other", {{"m", 3}})));
+  (void)saved(file);
+  const RigFile again = opened_file(folder.file("club.toml"));
+  CHECK(again.rig().types.back().name == "Other");
+  CHECK(again.rig().fixtures.size() == 10);
 }
 
 TEST_CASE("files that definitions name beside them are saved, copied and recovered with a rig") {
@@ -370,7 +430,7 @@ TEST_CASE("fixtures that share slots are saved so that the file can be read agai
   RigFile file = opened_file(folder.write("club.toml", kCommentedRig));
   auto edit = fixtures::patch_fixtures(file.rig(), std::vector{3}, {1, 3});
   REQUIRE(edit);
-  edit->apply(file.rig().fixtures);
+  edit->apply(file.rig());
   CHECK(saved(file).shared == 3);                 // it reaches into two others
   CHECK(!file.rig().fixtures[3].shares_address);  // a later edit may end the conflict
   const RigFile again = opened_file(folder.file("club.toml"));

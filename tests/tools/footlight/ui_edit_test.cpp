@@ -6,6 +6,9 @@
 
 #include <doctest/doctest.h>
 
+#include "fixtures/files/definition_list.h"
+#include "tests/support/definition_files.h"
+#include "tests/support/temp_folder.h"
 #include "tests/tools/footlight/edit_desk.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
 
@@ -94,6 +97,104 @@ TEST_CASE("edits of the rig, selections and values taken over are undone and don
     check_consistent(desk);
     REQUIRE(same(snapshot(desk), states[i]));
   }
+}
+
+fixtures::NewFixtures new_heads(const std::string& path, int count = 2) {
+  auto type = fixtures::open_definition(path);
+  REQUIRE_MESSAGE(type, type.error().message);
+  fixtures::NewFixtures row;
+  row.type = std::make_shared<const fixtures::FixtureType>(std::move(*type));
+  row.count = count;
+  return row;
+}
+
+TEST_CASE(
+    "new fixtures are selected and shown with their type, and undo, redo and other types keep every index right") {
+  const testing::TempFolder folder;
+  const std::string one = folder.write("one.qxf", testing::qxf_head("Robe", "Spot One", {{"long", 4}}));
+  const std::string two = folder.write("two.qxf", testing::qxf_head("Robe", "Spot Two", {{"short", 3}}));
+  EditDesk edit(parsed_rig(kUiRig));
+  UiDesk& desk = edit.desk;
+  const auto type_shown = [&](std::size_t fixture) {
+    const auto& shown = desk.rig().fixtures[fixture];
+    return fixtures::type_of(desk.rig(), shown).name;
+  };
+  desk.select(0, false);
+  CHECK(desk.add(new_heads(one)));
+  check_consistent(desk);
+  CHECK(desk.state().selection.fixtures == std::vector<int>{5, 6});
+  CHECK(type_shown(6) == "Spot One");
+  const SharedScene with_one = edit.scene->scene();
+  CHECK(desk.undo() == "add 2 Spot One from 1.43");
+  check_consistent(desk);
+  CHECK(desk.state().selection.fixtures == std::vector<int>{0});
+  CHECK(desk.edited().types.size() == 2);
+  CHECK(desk.rig().types.size() == 2);
+  CHECK(edit.scene->file().imported().definitions.size() == 2);
+  CHECK(with_one->rig.types.size() == 3);  // a frame may still be made from it
+  // Another type in the same place, also in scenes that are used again.
+  for (int round = 0; round < 4; ++round) {
+    const std::string& path = round % 2 == 0 ? two : one;
+    CHECK(desk.add(new_heads(path, 1)));
+    check_consistent(desk);
+    CHECK(type_shown(5) == (round % 2 == 0 ? "Spot Two" : "Spot One"));
+    CHECK(edit.scene->file().imported().definitions.back().name == path);
+    CHECK(!desk.undo().empty());
+  }
+  CHECK(!desk.redo().empty());
+  CHECK(type_shown(5) == "Spot One");
+  CHECK(desk.add(new_heads(two, 1)));
+  CHECK(type_shown(6) == "Spot Two");
+  while (!desk.undo().empty()) check_consistent(desk);
+  while (!desk.redo().empty()) check_consistent(desk);
+  CHECK(type_shown(6) == "Spot Two");
+  CHECK(desk.rig().types.size() == 4);
+}
+
+TEST_CASE("a type whose rig cannot be made goes with the edit that is taken back") {
+  const testing::TempFolder folder;
+  EditDesk edit(parsed_rig(kUiRig));
+  UiDesk& desk = edit.desk;
+  fixtures::NewFixtures row = new_heads(folder.write("one.qxf", testing::qxf_head("Robe", "One", {{"long", 4}})));
+  fixtures::FixtureType broken = *row.type;
+  broken.modes[0].channels[0].geometry = 99;
+  broken.modes[0].geometries.clear();
+  bool fails = true;
+  desk.let_edit(edit.scene->file().rig(), [&]() -> Status {
+    if (fails && desk.edited().types.size() > 2) return fail(ErrorCode::kBadInput, "not this one");
+    FL_TRY(edit.scene->remake(desk.state().ids));
+    desk.show(edit.scene->scene()->rig, edit.scene->scene()->compiled);
+    return {};
+  });
+  CHECK(!desk.add(row));
+  CHECK(desk.edited().types.size() == 2);
+  check_consistent(desk);
+  fails = false;
+  CHECK(desk.add(row));
+  check_consistent(desk);
+}
+
+TEST_CASE("the options of the scene act on types that are added, and VRSL's rigs take them") {
+  const testing::TempFolder folder;
+  SceneFiles files;
+  files.smooth = "0.25";
+  auto scene = testing::taken(EditedScene::make(
+      RigFile::made(fixtures::as_imported(parsed_rig(kUiRig), "toml"), "not_written.toml"), files, 1.5, false));
+  const auto row = new_heads(folder.write("one.qxf", testing::qxf_head("Robe", "One", {{"long", 4}})));
+  testing::taken(fixtures::add_fixtures(scene->file().rig(), row)).apply(scene->file().rig());
+  REQUIRE(scene->remake());
+  REQUIRE(scene->scene()->rig.types.size() == 3);
+  REQUIRE(scene->scene()->rig.types[2].smoothing.size() == 1);
+  CHECK(scene->scene()->rig.types[2].smoothing[0].tau_s == 0.25);
+  CHECK(scene->file().rig().types[2].smoothing.empty());
+
+  EditDesk vrsl(
+      parsed_rig("[rig]\nname = \"Club\"\n[vrsl]\n[[fixture]]\nname = \"Spot\"\ntype = \"vrsl/spot\"\n"
+                 "universe = 1\naddress = 1\nposition = [0, 0, 5]\n"));
+  CHECK(vrsl.desk.add(row));
+  CHECK(vrsl.desk.add(new_heads("vrsl/wash")));
+  check_consistent(vrsl.desk);
+  while (!vrsl.desk.undo().empty()) check_consistent(vrsl.desk);
 }
 
 TEST_CASE("copies are selected, and what is deleted takes its values with it") {

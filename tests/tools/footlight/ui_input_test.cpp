@@ -141,6 +141,41 @@ TEST_CASE("blackout has a key of its own in every keyboard, one more that acts w
   CHECK(!acts_always({GLFW_KEY_F8, 0, false}));
 }
 
+TEST_CASE("a key that is pressed and released between two pictures is down in one of them") {
+  KeyTaps taps;
+  std::array<bool, KeyTaps::kKeys> down{};
+  const auto key = [&](int action) {
+    taps.take_key(GLFW_KEY_ENTER, action);
+    down[GLFW_KEY_ENTER] = action != GLFW_RELEASE;  // as Dear ImGui's own callback has it
+  };
+  const auto seen = [&] {
+    taps.hold(down);
+    return down[GLFW_KEY_ENTER];
+  };
+  CHECK(!seen());
+  key(GLFW_PRESS);
+  key(GLFW_RELEASE);
+  CHECK(seen());
+  CHECK(!seen());
+  CHECK(!seen());
+  key(GLFW_PRESS);  // held over two pictures
+  CHECK(seen());
+  CHECK(seen());
+  key(GLFW_RELEASE);
+  CHECK(!seen());
+  key(GLFW_PRESS);
+  key(GLFW_RELEASE);
+  CHECK(seen());
+  key(GLFW_PRESS);
+  key(GLFW_RELEASE);
+  CHECK(!seen());  // so that the second press is one of its own
+  CHECK(seen());
+  CHECK(!seen());
+  taps.take_key(GLFW_KEY_UNKNOWN, GLFW_PRESS);
+  taps.take_key(100'000, GLFW_PRESS);
+  taps.hold(down);
+}
+
 TEST_CASE("a drag between two pictures begins where the button went down and ends where it went up") {
   MouseQueue mouse;
   CHECK(!mouse.next());

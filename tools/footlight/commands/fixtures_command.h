@@ -13,6 +13,7 @@ namespace footlight::tools {
 void add_fixtures_check(Arguments& arguments);
 void add_fixtures_show(Arguments& arguments);
 void add_fixtures_find(Arguments& arguments);
+void add_fixtures_list(Arguments& arguments);
 void add_fixtures_convert(Arguments& arguments);
 void add_fixtures_attributes(Arguments& arguments);
 

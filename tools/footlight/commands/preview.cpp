@@ -31,7 +31,9 @@ void add(Arguments& arguments) {
   arguments.duration("--at", options->at_ns, "start time in the log [0]");
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; default: its first one");
   arguments.option("--panels", options->panels, "WORDS",
-                   "panels that are open at the start: universes, fixtures, inspector, timeline, devices, keys");
+                   "panels that are open at the start: universes, fixtures, inspector, timeline, devices, library, "
+                   "keys");
+  arguments.list("--library", options->library, "FOLDER", "definitions of fixtures that can be added, too");
   arguments.option("--select", options->select, "NAME", "fixtures that are selected at the start; * for any text");
   arguments.option("--work-light", options->work_light_lx, 0, 1e6,
                    "lx on every surface, key W turns it off and on; default without input: 150 or more");
@@ -102,9 +104,9 @@ extern const CommandInfo preview_command{
         "  footlight preview head.gdtf                         one fixture alone\n"
         "  footlight preview --demo --panels universes,inspector --select 'Spot 1'\n"
         "Click selects a fixture, left drag orbits, right drag pans, the wheel zooms. Keys: F1 lists them all, F2 the\n"
-        "universes, F3 the fixtures, F4 the inspector, F6 inputs and outputs, B is the blackout of outputs, 1-9 "
-        "cameras, F frames what is selected, Ctrl+Z undoes, H hides\n"
-        "the side panel, Esc closes. docs/window.md says more. Without a display use footlight render.",
+        "universes, F3 the fixtures, F4 the inspector, F6 inputs and outputs, F7 the library, Ctrl+P finds any action,\n"
+        "B is the blackout of outputs, 1-9 cameras, F frames what is selected, Ctrl+Z undoes, H hides the side panel,\n"
+        "Esc closes. docs/window.md says more. Without a display use footlight render.",
     .add = add,
 };
 

@@ -7,7 +7,9 @@
 #include <unordered_set>
 #include <vector>
 
+#include "fixtures/edit/add_fixtures.h"
 #include "fixtures/edit/rig_edits.h"
+#include "fixtures/files/definition_list.h"
 #include "fixtures/model/names.h"
 #include "sim/core/counted.h"
 #include "sim/file_kind.h"
@@ -27,6 +29,8 @@ struct Options {
   std::string out;
   std::vector<std::string> library;
   std::vector<std::string> select;
+  std::string add;
+  int count = 1;
   std::optional<int> clone;
   std::string clone_offset;
   bool remove = false;
@@ -84,7 +88,10 @@ Result<glm::dvec3> parse_vector(const char* option, const std::string& text) {
 // In the order of the patterns, then of the file; each once.
 Result<std::vector<int>> selected(const fixtures::Rig& rig, const std::vector<std::string>& patterns) {
   if (patterns.empty()) {
-    return fail(ErrorCode::kBadInput, "expected --select with the name of fixtures, for example: --select 'Spot *'");
+    return fail(
+        ErrorCode::kBadInput,
+        "expected --select with the name of fixtures, for example: --select 'Spot *'; or --add with the file of a "
+        "definition");
   }
   std::vector<int> which;
   std::unordered_set<int> seen;
@@ -109,7 +116,11 @@ class Editor {
   Editor(const Options& options, fixtures::Rig& rig) : options_(options), rig_(rig), before_(rig.fixtures) {}
 
   Status run() {
-    FL_ASSIGN(which_, selected(rig_, options_.select));
+    if (!options_.add.empty()) {
+      FL_TRY(add());
+    } else {
+      FL_ASSIGN(which_, selected(rig_, options_.select));
+    }
     if (options_.remove) return do_one(fixtures::delete_fixtures(rig_, which_));
     if (options_.clone) {
       fixtures::CloneRow row;
@@ -117,7 +128,7 @@ class Editor {
       FL_ASSIGN(row.offset_m, parse_vector("--offset", options_.clone_offset));
       FL_TRY(do_one(fixtures::clone_fixtures(rig_, which_, row)));
     }
-    if (!options_.mode.empty()) FL_TRY(do_one(fixtures::set_mode(rig_, which_, options_.mode)));
+    if (!options_.mode.empty() && options_.add.empty()) FL_TRY(do_one(fixtures::set_mode(rig_, which_, options_.mode)));
     if (options_.unpatch) FL_TRY(do_one(fixtures::unpatch_fixtures(rig_, which_)));
     if (!options_.patch.empty()) FL_TRY(patch());
     if (options_.number) {
@@ -153,12 +164,39 @@ class Editor {
   Status do_one(Result<RigEdit> edit) {
     if (!edit) return tl::unexpected<Error>(std::move(edit).error());
     fmt::print("{}\n", printable_line(edit->text));
-    edit->apply(rig_.fixtures);
+    edit->apply(rig_);
     for (const RigEdit::Entry& entry : edit->removed) removed_.push_back(entry.fixture);
     if (edit->added.empty()) return {};
     which_.clear();  // what follows acts on the copies
     for (const RigEdit::Entry& entry : edit->added) which_.push_back(entry.fixture);
     return {};
+  }
+
+  // In their mode, at the first free addresses: --patch moves them from there.
+  Status add() {
+    if (!options_.select.empty() || options_.clone || options_.remove) {
+      return fail(
+          ErrorCode::kBadInput,
+          "--add: it makes the fixtures that the other options act on; leave out --select, --clone and --delete");
+    }
+    fixtures::NewFixtures row;
+    auto type = fixtures::open_definition(options_.add);
+    if (!type && type.error().code == ErrorCode::kNotFound) {
+      return fail(ErrorCode::kNotFound,
+                  "--add '{}': expected the file of a definition or the name of a built-in type; 'footlight fixtures "
+                  "list {}' searches them",
+                  options_.add, options_.add);
+    }
+    if (!type) return tl::unexpected<Error>(std::move(type).error());
+    row.type = std::make_shared<const fixtures::FixtureType>(std::move(*type));
+    if (!options_.mode.empty()) {
+      FL_ASSIGN(row.mode, fixtures::find_mode(*row.type, options_.mode));
+    }
+    row.count = options_.count;
+    if (!options_.clone_offset.empty()) {
+      FL_ASSIGN(row.step_m, parse_vector("--offset", options_.clone_offset));
+    }
+    return do_one(fixtures::add_fixtures(rig_, row));
   }
 
   Status patch() {
@@ -247,20 +285,26 @@ Result<int> edit(const Options& options) {
 void add_rig_edit(Arguments& arguments) {
   auto options = std::make_shared<Options>();
   Arguments its = arguments.subcommand(
-      "edit", "Edit the patch, names and places of fixtures, and write a rig file",
+      "edit", "Add fixtures, edit their patch, names and places, and write a rig file",
       "  footlight rig edit show.mvr --select 'Mover *' --patch 2.1 --move 0,0,0.5 -o show.toml\n"
       "  footlight rig edit rig.toml --select 'Spot *' --patch 3.1 --free -o rig.toml --overwrite\n"
       "  footlight rig edit rig.toml --select 'Par 1' --clone 7 --offset 0.5,0,0 -o row.toml\n"
+      "  footlight rig edit rig.toml --add generic/wash --count 4 --place -3,2,6 --place-step 2,0,0 -o more.toml\n"
       "  footlight rig edit rig.toml --select 'Spot *' --rename 'LX1 {}' --number 101    # only prints it\n"
-      "Edits are made in the order of this list; after --clone they act on the copies. Without -o nothing is written.\n"
+      "Edits are made in the order of this list; after --add and --clone they act on the new fixtures. Without -o "
+      "nothing is written.\n"
       "A file with comments that is replaced is kept as NAME.toml~. docs/rigs.md says more.");
   its.word("FILE", options->path, "the rig: .mvr, .qxw, .toml or a patch of VRSL");
   its.list("--select,-s", options->select, "NAME",
            "the fixtures, with * for any text; several patterns give the order of the selection");
   its.flag("--delete", options->remove, "delete them; other edits are not made");
+  its.option("--add", options->add, "TYPE",
+             "add fixtures of this definition, a file or a built-in type; what follows acts on them");
+  its.option("--count", options->count, 1, fixtures::kRigFixturesMax, "how many --add adds");
   its.option("--clone", options->clone, 1, fixtures::kRigFixturesMax,
              "so many copies of each, with the next names and free addresses");
-  its.option("--offset", options->clone_offset, "X,Y,Z", "metres from copy to copy [0,0,0]");
+  its.option("--offset", options->clone_offset, "X,Y,Z",
+             "metres from copy to copy [0,0,0], or from new fixture to new fixture [1,0,0]");
   its.option("--mode", options->mode, "NAME", "their mode");
   its.flag("--unpatch", options->unpatch, "take their addresses away");
   its.option("--patch", options->patch, "U.A",

@@ -159,7 +159,7 @@ struct Autosave::Copy {
 
   Status write() {
     FL_TRY(fixtures::write_file(folder + kAboutName, about));
-    FL_TRY(write_rig(imported, folder + kRigName, has_files ? RigFiles::kThere : RigFiles::kWrite));
+    FL_TRY(write_rig(imported, folder + kRigName, has_files ? RigFiles::kThere : RigFiles::kReplace));
     has_files = true;
     return {};
   }
@@ -196,6 +196,12 @@ Status Autosave::begin(std::uint64_t revision) {
   FL_TRY(claim_folder());
   if (!copy_) copy_ = std::make_unique<Copy>(Copy{file_.imported(), claim_->folder(), {}, false});
   copy_->imported.rig.fixtures = file_.rig().fixtures;
+  if (copy_->imported.rig.types.size() != file_.rig().types.size() ||
+      copy_->imported.definitions != file_.imported().definitions) {  // an edit added types, or took them back
+    copy_->imported.rig.types = file_.rig().types;
+    copy_->imported.definitions = file_.imported().definitions;
+    copy_->has_files = false;
+  }
   copy_->about = about_text(file_);
   begun_ = revision;
   const NoSignals no_signals;

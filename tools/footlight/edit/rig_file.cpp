@@ -154,6 +154,7 @@ RigFile RigFile::recovered(fixtures::ImportedRig imported, const std::string& pa
 Result<SaveReport> write_rig(fixtures::ImportedRig& imported, const std::string& path, RigFiles files) {
   SaveReport report;
   report.path = path;
+  fixtures::follow_types(imported);
   std::vector<fixtures::PatchedFixture> own = imported.rig.fixtures;
   report.shared = fixtures::share_conflicting_addresses(imported.rig);
   const auto write = [&]() -> Status {
@@ -161,7 +162,8 @@ Result<SaveReport> write_rig(fixtures::ImportedRig& imported, const std::string&
       const std::string folder = fs::path(fixtures::files_folder_of(path)).filename().string();
       return fixtures::write_rig_toml(imported, path, folder);
     }
-    FL_TRY(fixtures::export_rig_toml(imported, path, {}, fixtures::FilesThere::kKeepEqual));
+    const auto there = files == RigFiles::kReplace ? fixtures::FilesThere::kReplace : fixtures::FilesThere::kKeepEqual;
+    FL_TRY(fixtures::export_rig_toml(imported, path, {}, there));
     return {};
   };
   const Status written = write();

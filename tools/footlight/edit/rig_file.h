@@ -66,8 +66,9 @@ class RigFile {
 };
 
 enum class RigFiles {
-  kWrite,  // definitions and meshes are written, or are there already
-  kThere,  // they are there from the last time
+  kWrite,    // definitions and meshes are written, or are there already
+  kThere,    // they are there from the last time
+  kReplace,  // they are written, also over other files of the folder
 };
 // Writes a rig as RigFile::save() does, to any path: nothing is kept, and `path` is replaced.
 [[nodiscard]] Result<SaveReport> write_rig(fixtures::ImportedRig& imported, const std::string& path,

@@ -30,7 +30,7 @@ std::vector<Universe> used_universes(const fixtures::Rig& rig) {
 
 Result<std::unique_ptr<EditedScene>> EditedScene::make(RigFile file, const SceneFiles& files, double aspect,
                                                        bool by_hand) {
-  std::unique_ptr<EditedScene> edited(new EditedScene(std::move(file)));
+  std::unique_ptr<EditedScene> edited(new EditedScene(std::move(file), files));
   edited->by_hand_ = by_hand;
   edited->base_ = edited->file_.rig();
   FL_TRY(adjust_scene_rig(edited->base_, files));
@@ -67,11 +67,31 @@ std::unique_ptr<HandLevels> moved_hand(const HandLevels& hand, const PreviewScen
   return next;
 }
 
+// After an edit that added types to the rig or took them back.
+Status EditedScene::follow_types() {
+  fixtures::follow_types(file_.imported());
+  const auto& types = file_.rig().types;
+  if (types.size() == base_.types.size()) return {};
+  ++types_;
+  if (types.size() < base_.types.size()) {
+    base_.types.resize(types.size());
+    return {};
+  }
+  fixtures::Rig added;
+  added.types.assign(types.begin() + static_cast<std::ptrdiff_t>(base_.types.size()), types.end());
+  FL_TRY(adjust_scene_rig(added, files_));
+  for (fixtures::FixtureType& type : added.types) base_.types.push_back(std::move(type));
+  return {};
+}
+
 Status EditedScene::remake(std::vector<int> ids) {
+  FL_TRY(follow_types());
   const auto free = std::find_if(held_.begin(), held_.end(),
                                  [](const SharedScene& each) { return each.use_count() == 1 && !each->written; });
-  SharedScene next = free != held_.end() ? *free : std::make_shared<PreviewScene>(PreviewScene{base_, {}, {}, {}, {}});
+  SharedScene next =
+      free != held_.end() ? *free : std::make_shared<PreviewScene>(PreviewScene{base_, {}, {}, types_, {}, {}});
   next->rig.fixtures = file_.rig().fixtures;
+  if (std::exchange(next->types, types_) != types_) next->rig.types = base_.types;
   next->ids = std::move(ids);
   for (std::size_t i = next->ids.size(); i < next->rig.fixtures.size(); ++i) next->ids.push_back(static_cast<int>(i));
   fixtures::share_conflicting_addresses(next->rig);

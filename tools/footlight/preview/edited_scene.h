@@ -2,6 +2,7 @@
 // with, addresses for faders, and what VRSL shows of it. Knows neither a window nor a GPU.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -18,6 +19,7 @@ struct PreviewScene {
   fixtures::Rig rig;
   fixtures::CompiledRig compiled;
   std::optional<fixtures::Rig> written;  // as written, where `rig` is what VRSL shows of it
+  std::uint64_t types = 0;               // EditedScene::types_ of its types
   std::vector<int> ids;                  // of its fixtures: equal ones in two scenes are the same fixture
   // Ascending: those in which the rig has an address of its own, not one that was made up for faders.
   std::vector<Universe> own_universes;
@@ -46,10 +48,13 @@ class EditedScene {
   Status remake(std::vector<int> ids = {});
 
  private:
-  explicit EditedScene(RigFile file) : file_(std::move(file)) {}
+  EditedScene(RigFile file, const SceneFiles& files) : file_(std::move(file)), files_(files) {}
+  Status follow_types();
 
   RigFile file_;
-  fixtures::Rig base_;  // with the options of the scene and its cameras; its fixtures do not matter
+  SceneFiles files_;
+  fixtures::Rig base_;       // with the options of the scene and its cameras; its fixtures do not matter
+  std::uint64_t types_ = 0;  // counts the changes of its types
   bool by_hand_ = false;
   SharedScene scene_;
   std::vector<SharedScene> held_;  // scenes so far; those that nobody else holds are used again, with their types

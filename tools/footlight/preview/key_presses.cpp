@@ -1,5 +1,8 @@
 #include "tools/footlight/preview/key_presses.h"
 
+#include <algorithm>
+#include <utility>
+
 #include <GLFW/glfw3.h>
 
 namespace footlight::tools {
@@ -29,6 +32,30 @@ void KeyPresses::take_character(unsigned int character) {
   constexpr int kCommands = GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER;
   if (character <= ' ' || character > '~' || is_letter(static_cast<int>(character)) || (mods_ & kCommands) != 0) return;
   presses_.push_back({kTyped + static_cast<int>(character), 0, repeated_});
+}
+
+void KeyTaps::take_key(int key, int action) {
+  if (key < 0 || static_cast<std::size_t>(key) >= kKeys || action == GLFW_REPEAT) return;
+  down_[static_cast<std::size_t>(key)] = action == GLFW_PRESS;
+  if (action == GLFW_PRESS && std::find(pressed_.begin(), pressed_.end(), key) == pressed_.end()) {
+    pressed_.push_back(key);
+  }
+}
+
+void KeyTaps::hold(std::span<bool> down) {
+  const std::vector<int> before = std::exchange(held_, {});
+  for (const int key : before) down[static_cast<std::size_t>(key)] = false;
+  std::vector<int> later;
+  for (const int key : std::exchange(pressed_, {})) {
+    // Between two presses a picture has to see it up.
+    if (std::find(before.begin(), before.end(), key) != before.end()) {
+      later.push_back(key);
+      continue;
+    }
+    if (!down_[static_cast<std::size_t>(key)]) held_.push_back(key);
+    down[static_cast<std::size_t>(key)] = true;
+  }
+  pressed_ = std::move(later);
 }
 
 }  // namespace footlight::tools

@@ -5,6 +5,8 @@
 // on some keyboards and not on others.
 #pragma once
 
+#include <array>
+#include <span>
 #include <vector>
 
 namespace footlight::tools {
@@ -32,6 +34,23 @@ class KeyPresses {
   std::vector<KeyPress> presses_;
   int mods_ = 0;  // of the last key
   bool repeated_ = false;
+};
+
+// Keys for fields of text, which look at each picture whether a key is down: one that was pressed and released between
+// two pictures is down in the next one. Presses of one key in that time count once, and in two pictures twice.
+class KeyTaps {
+ public:
+  static constexpr std::size_t kKeys = 512;  // of Dear ImGui; more than GLFW_KEY_LAST
+
+  // As GLFW's callback gives them.
+  void take_key(int key, int action);
+  // Once a picture. down: which keys are down, kKeys of them, by GLFW's numbers.
+  void hold(std::span<bool> down);
+
+ private:
+  std::array<bool, kKeys> down_{};  // as the keyboard has them
+  std::vector<int> pressed_;        // and not yet in a picture
+  std::vector<int> held_;           // down in the last picture though they were released before it
 };
 
 }  // namespace footlight::tools

@@ -19,8 +19,9 @@ struct PreviewOptions {
   std::vector<std::string> outputs;  // endpoints to real lamps; each sends nothing until the user arms it
   std::string size = "1280x720";
   std::string camera;
-  std::string panels;  // words of open panels, separated by commas
-  std::string select;  // name of the fixtures that are selected, with * for any text
+  std::string panels;                // words of open panels, separated by commas
+  std::vector<std::string> library;  // folders that the panel of the library lists, too
+  std::string select;                // name of the fixtures that are selected, with * for any text
   std::string device;
   std::string screenshot;               // PNG of the last frame; empty: none
   DurationNs at_ns = 0;                 // start time in the log

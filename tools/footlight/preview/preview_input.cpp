@@ -68,6 +68,11 @@ void Preview::draw_ui() {
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
   }
+  const OutputsView* outputs = outputs_ ? &outputs_view_ : nullptr;
+  if (const auto found = palette_.draw(*desk_, player_ != nullptr, outputs, window_->ui_scale())) {
+    desk_->begin_gesture();
+    chosen = found;
+  }
   if (chosen) call(*chosen);
   take_input();
   // The last movement of a drag comes with the release.
@@ -194,6 +199,7 @@ void Preview::call(const UiCall& call) {
     case UiAction::kBlackout:
     case UiAction::kEndBlackout:
     case UiAction::kDisarm: break;  // of call_outputs()
+    case UiAction::kPalette: palette_.open(); break;
     case UiAction::kEscape: closing_ = !close_topmost(panels_, *desk_) || closing_; break;
   }
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "fixtures/displays/pixel_slots.h"
+#include "fixtures/files/definition_list.h"
 #include "sim/core/no_signals.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/paths.h"
@@ -58,6 +59,7 @@ Status Preview::open_device() {
 Status Preview::set_controls(const fixtures::Camera& camera) {
   desk_ = std::make_unique<UiDesk>(framed_->rig, framed_->compiled);
   start_edits();
+  desk_->list_definitions_in(fixtures::definition_folders(options_.library, edited_->file().target()));
   desk_->start_view(OrbitCamera(camera), {static_cast<float>(camera.exposure_ev), options_.display.auto_exposure});
   show_exposure();
   FL_TRY(panels_.open_words(options_.panels, *desk_));

@@ -32,6 +32,7 @@
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
 #include "tools/footlight/preview/ui/keys.h"
+#include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/questions.h"
 #include "tools/footlight/preview/ui/stage_pick.h"
@@ -184,6 +185,7 @@ class Preview {
 
   std::unique_ptr<UiDesk> desk_;  // once the rig is read
   UiPanels panels_;
+  Palette palette_;
   std::unique_ptr<StagePick> pick_;     // made by the first selection
   std::vector<std::uint8_t> overlaid_;  // levels with what was taken over
   std::vector<std::uint8_t> panel_levels_;

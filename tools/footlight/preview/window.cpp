@@ -337,6 +337,7 @@ void Window::on_key(GLFWwindow* window, int key, int scancode, int action, int m
   auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
   const char* name = key != GLFW_KEY_UNKNOWN ? glfwGetKeyName(key, scancode) : nullptr;
   self->keys_.take_key(key, name, action, mods);
+  self->taps_.take_key(key, action);
 }
 
 void Window::on_character(GLFWwindow* window, unsigned int character) {
@@ -426,6 +427,7 @@ void Window::begin_ui() {
   const auto held = [&](int left, int right) {
     return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS;
   };
+  taps_.hold(io.KeysDown);
   io.KeyCtrl = held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
   io.KeyShift = held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
   if (const auto moment = mouse_.next()) {

@@ -125,6 +125,7 @@ class Window {
   int height_ = 0;
   bool minimised_ = false;
   KeyPresses keys_;
+  KeyTaps taps_;
   MouseQueue mouse_;
   PixelRect before_full_;  // where the window was before it became full screen
   float ui_scale_ = 1;

@@ -16,6 +16,7 @@ constexpr KeyRow kKeyRows[] = {
     {GLFW_KEY_S, GLFW_MOD_CONTROL, {A::kSave}, false, "Ctrl+S", "save the rig", UiMenu::kEdit},
     {GLFW_KEY_DELETE, 0, {A::kDelete}, false, "Del", "delete the selected fixtures from the rig", UiMenu::kEdit},
     {GLFW_KEY_A, GLFW_MOD_CONTROL, {A::kSelectAll}, false, "Ctrl+A", "select all fixtures", UiMenu::kEdit},
+    {GLFW_KEY_P, GLFW_MOD_CONTROL, {A::kPalette}, false, "Ctrl+P", "find an action by its name", UiMenu::kEdit},
     {GLFW_KEY_L, 0, {A::kHighlight}, false, "L", "highlight what is selected", UiMenu::kEdit},
     {GLFW_KEY_R, 0, {A::kReleaseAll}, false, "R", "release all values that were taken over", UiMenu::kEdit},
     {GLFW_KEY_F, 0, {A::kFrame}, false, "F", "frame the selection, or the rig", UiMenu::kView},

@@ -40,12 +40,14 @@ enum class UiAction {
   kBlackout,  // of all armed outputs
   kEndBlackout,
   kDisarm,  // all outputs; no key arms one
+  kPalette,
   kEscape,
 };
 
 struct UiCall {
   UiAction action;
   int argument = 0;
+  bool operator==(const UiCall&) const = default;
 };
 
 enum class UiMenu { kNone, kEdit, kView, kPlayback, kOutputs };

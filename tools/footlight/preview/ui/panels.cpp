@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kEdge = 8;  // between a panel and the edge of the stage
 
-constexpr std::array<PanelInfo, 6> kPanels{{
+constexpr std::array<PanelInfo, 7> kPanels{{
     {"keys", "Keys", GLFW_KEY_F1, "F1, ?", "this list", {0.5f, 0.5f, 560, 620, 1}, make_keys_panel},
     {"universes",
      "Universes",
@@ -47,6 +47,13 @@ constexpr std::array<PanelInfo, 6> kPanels{{
      "inputs and outputs; arms outputs to real lamps",
      {0.5f, 0.5f, 700, 380, 0.6f},
      make_devices_panel},
+    {"library",
+     "Library",
+     GLFW_KEY_F7,
+     "F7",
+     "the installed definitions: add fixtures",
+     {0.5f, 0.5f, 900, 480, 0.8f},
+     make_library_panel},
 }};
 
 Status for_words(std::string_view words, const std::function<void(std::size_t)>& act) {

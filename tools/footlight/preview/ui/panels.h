@@ -70,6 +70,7 @@ struct PanelInfo {
 [[nodiscard]] std::unique_ptr<Panel> make_inspector_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_timeline_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_devices_panel(UiDesk& desk);
+[[nodiscard]] std::unique_ptr<Panel> make_library_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_keys_panel(UiDesk& desk);
 
 // Which panels are open.

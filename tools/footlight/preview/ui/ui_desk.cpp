@@ -87,14 +87,21 @@ Status UiDesk::edit(Result<fixtures::RigEdit> edit, std::optional<Selection> sel
   return made;
 }
 
-Status UiDesk::clone(fixtures::Fixtures which, const fixtures::CloneRow& row) {
-  auto copies = fixtures::clone_fixtures(edited(), which, row);
+Status UiDesk::edit_and_select_added(Result<fixtures::RigEdit> one) {
   Selection after;
-  if (copies) {
-    for (const auto& entry : copies->added) after.fixtures.push_back(entry.fixture);
+  if (one) {
+    for (const auto& entry : one->added) after.fixtures.push_back(entry.fixture);
     after.lead = after.fixtures.empty() ? -1 : after.fixtures.front();
   }
-  return edit(std::move(copies), std::move(after));
+  return edit(std::move(one), std::move(after));
+}
+
+Status UiDesk::clone(fixtures::Fixtures which, const fixtures::CloneRow& row) {
+  return edit_and_select_added(fixtures::clone_fixtures(edited(), which, row));
+}
+
+Status UiDesk::add(const fixtures::NewFixtures& row) {
+  return edit_and_select_added(fixtures::add_fixtures(edited(), row));
 }
 
 std::string UiDesk::undo() {

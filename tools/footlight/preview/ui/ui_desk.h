@@ -13,7 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "fixtures/edit/add_fixtures.h"
 #include "fixtures/edit/rig_edits.h"
+#include "fixtures/files/library.h"
 #include "fixtures/model/rig.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/ui/rig_index.h"
@@ -53,6 +55,11 @@ class UiDesk {
   // Copies fixtures, and selects the copies.
   Status clone(fixtures::Fixtures which, const fixtures::CloneRow& row);
   Status clone_selected(const fixtures::CloneRow& row) { return clone(selected(), row); }
+  // Adds fixtures, and selects them.
+  Status add(const fixtures::NewFixtures& row);
+  // Where definitions of fixtures are that can be added, besides the built-in ones.
+  void list_definitions_in(std::vector<fixtures::LibraryFolder> folders) { definition_folders_ = std::move(folders); }
+  [[nodiscard]] const std::vector<fixtures::LibraryFolder>& definition_folders() const { return definition_folders_; }
   // A message for the line of news, from where there is no other place for it.
   void tell(std::string news) { news_ = std::move(news); }
   [[nodiscard]] std::string take_news() { return std::exchange(news_, {}); }
@@ -118,12 +125,14 @@ class UiDesk {
   [[nodiscard]] const std::vector<bool>& lit_channels(const fixtures::PatchedFixture& fixture);
 
   [[nodiscard]] Status follow_rig(const UiCommand& command);
+  Status edit_and_select_added(Result<fixtures::RigEdit> one);
 
   const fixtures::Rig* rig_;
   const fixtures::CompiledRig* compiled_;
   std::function<Status()> remake_;
   std::uint64_t shown_count_ = 0;
   std::string news_;
+  std::vector<fixtures::LibraryFolder> definition_folders_;
   std::unique_ptr<RigIndex> index_;
   std::unique_ptr<HandLevels> lit_;                                // what Highlight writes; made when it is first used
   std::map<std::pair<int, int>, std::vector<bool>> lit_channels_;  // which channels it writes, of a type and a mode

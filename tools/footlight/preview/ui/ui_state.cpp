@@ -165,7 +165,7 @@ bool EditRig::apply(UiState& state) {
   if (!any || state.edited == nullptr) return false;
   while (state.ids.size() < state.edited->fixtures.size()) state.ids.push_back(state.next_id++);
   move_ids(state);
-  edit.apply(state.edited->fixtures);
+  edit.apply(*state.edited);
   if (revision == 0) revision = ++state.revision_last;
   before = std::exchange(state.revision, revision);
   selection_before = state.selection;
@@ -198,7 +198,7 @@ bool EditRig::apply(UiState& state) {
   return true;
 }
 void EditRig::undo(UiState& state) const {
-  edit.undo(state.edited->fixtures);
+  edit.undo(*state.edited);
   for (auto each = edit.added.rbegin(); each != edit.added.rend(); ++each) {
     state.ids.erase(state.ids.begin() + each->fixture);
   }

@@ -1,0 +1,190 @@
+// The field that searches actions, without a window.
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <imgui/imgui.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/tools/footlight/edit_ui.h"
+#include "tools/footlight/preview/ui/palette.h"
+
+namespace footlight::tools {
+namespace {
+
+using footlight::testing::EditUi;
+using footlight::testing::kDown;
+using footlight::testing::kEnter;
+using footlight::testing::kEscape;
+using footlight::testing::kUiRig;
+using footlight::testing::kUp;
+using footlight::testing::parsed_rig;
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+// A palette over a rig with two cameras, where every action is possible.
+// One armed output during a blackout: everything of outputs is possible.
+OutputsView dark_output() {
+  OutputsView view;
+  view.rows.emplace_back();
+  view.rows.back().state = ArmState::kArmed;
+  view.darkness = Darkness::kAsked;
+  return view;
+}
+
+struct PaletteUi {
+  PaletteUi() : ui(rig()) {
+    const std::vector<std::uint8_t> levels(ui.desk.compiled().universes.size() * kSlotCountMax);
+    ui.desk.select(0, false);
+    ui.desk.begin_gesture();
+    ui.desk.take({0, 2}, 200, levels);
+    ui.desk.begin_gesture();
+    ui.desk.select(1, false);
+    ui.desk.undo();  // so that there is something to redo
+    ui.more = [this] {
+      if (const auto one = palette.draw(ui.desk, has_log, &outputs, 1)) chosen = one;
+    };
+  }
+  static fixtures::Rig rig() {
+    fixtures::Rig made = parsed_rig(kUiRig);
+    made.cameras.resize(2);
+    made.cameras[0].name = "stalls";
+    made.cameras[1].name = "wings";
+    return made;
+  }
+  void open() {
+    chosen.reset();
+    palette.open();
+    for (int i = 0; i < 3; ++i) ui.frame();
+  }
+  void write(const std::string& text) {
+    for (const char c : text) ImGui::GetIO().AddInputCharacter(static_cast<unsigned>(c));
+    ui.frame();
+    ui.frame();
+  }
+
+  EditUi ui;
+  Palette palette;
+  bool has_log = true;
+  OutputsView outputs = dark_output();
+  std::optional<UiCall> chosen;
+};
+
+TEST_CASE("the list of actions has every key that the table shows, every panel and every camera") {
+  const PaletteUi one;
+  const auto items = action_items(one.ui.desk, true, &one.outputs);
+  const auto has = [&](const UiCall& call) {
+    return std::any_of(items.begin(), items.end(), [&](const UiActionItem& item) { return item.call == call; });
+  };
+  std::size_t expected = panels().size() + 2;
+  for (const KeyRow& row : key_rows()) {
+    if (row.keys == nullptr || row.call.action == UiAction::kCamera) continue;
+    ++expected;
+    CHECK_MESSAGE(has(row.call), row.does);
+  }
+  CHECK(items.size() == expected);
+  for (std::size_t i = 0; i < panels().size(); ++i) CHECK(has({UiAction::kPanel, static_cast<int>(i)}));
+  CHECK(has({UiAction::kCamera, 0}));
+  CHECK(has({UiAction::kCamera, 1}));
+  CHECK(std::all_of(items.begin(), items.end(), [](const UiActionItem& item) { return item.possible; }));
+}
+
+TEST_CASE("each action is found by its words and run by Enter") {
+  PaletteUi one;
+  for (const UiActionItem& item : action_items(one.ui.desk, true, &one.outputs)) {
+    if (item.call.action == UiAction::kPalette) continue;
+    CAPTURE(item.label);
+    one.open();
+    REQUIRE(EditUi::has_popup());
+    // Backwards, since the order of words does not matter.
+    one.write(item.keys + " " + item.label);
+    one.ui.hit(kEnter);
+    REQUIRE(one.chosen);
+    CHECK(*one.chosen == item.call);
+    CHECK(!EditUi::has_popup());
+  }
+}
+
+TEST_CASE("words narrow the list in any order and case, and what has none of them says so") {
+  PaletteUi one;
+  one.open();
+  CHECK(contains(one.ui.words(), "work light"));
+  CHECK(contains(one.ui.words(), "camera wings"));
+  CHECK(contains(one.ui.words(), "Ctrl+Shift+Z"));
+  CHECK(!contains(one.ui.words(), "find an action"));  // not itself
+  one.write("LIGHT wor");
+  CHECK(contains(one.ui.words(), "work light"));
+  CHECK(!contains(one.ui.words(), "camera wings"));
+  one.write(" nothing");
+  CHECK(contains(one.ui.words(), "No action has these words."));
+  one.ui.hit(kEnter);
+  CHECK(!one.chosen);
+  CHECK(EditUi::has_popup());
+}
+
+TEST_CASE("up and down mark another row, a click runs its own, and Esc closes without running") {
+  PaletteUi one;
+  one.open();
+  one.write("camera of stalls");
+  one.ui.hit(kEnter);
+  CHECK(!one.chosen);  // "of" is no word of it
+  one.ui.hit(kEscape);
+  CHECK(!EditUi::has_popup());
+  CHECK(!one.chosen);
+
+  one.open();
+  one.write("camera");
+  one.ui.hit(kDown);
+  one.ui.hit(kEnter);
+  REQUIRE(one.chosen);
+  CHECK(*one.chosen == UiCall{UiAction::kCamera, 1});
+  one.open();
+  one.write("camera");
+  one.ui.hit(kUp);  // from the first row to the last
+  one.ui.hit(kEnter);
+  REQUIRE(one.chosen);
+  CHECK(*one.chosen == UiCall{UiAction::kCamera, 1});
+  one.open();
+  CHECK(contains(one.ui.words(), "undo"));  // the field is empty again
+  one.write("camera wings");
+  for (float y = 100; y < 200 && !one.chosen; y += 5) one.ui.press(640, y);
+  REQUIRE(one.chosen);
+  CHECK(*one.chosen == UiCall{UiAction::kCamera, 1});
+  one.open();
+  one.ui.press(5, 700);  // beside it
+  one.ui.frame();
+  CHECK(!EditUi::has_popup());
+  CHECK(!one.chosen);
+}
+
+TEST_CASE("what is not possible now is shown and not run") {
+  PaletteUi one;
+  one.has_log = false;
+  one.ui.desk.release_all();
+  one.open();
+  CHECK(contains(one.ui.words(), "pause or play the log"));
+  one.write("pause play");
+  one.ui.hit(kEnter);
+  CHECK(!one.chosen);
+  one.ui.hit(kEscape);
+  one.open();
+  one.write("release all values");
+  one.ui.hit(kEnter);
+  CHECK(!one.chosen);
+}
+
+TEST_CASE("Ctrl+P is the key of the palette") {
+  const auto rows = key_rows();
+  const auto row = std::find_if(rows.begin(), rows.end(),
+                                [](const KeyRow& one) { return one.call.action == UiAction::kPalette; });
+  REQUIRE(row != rows.end());
+  CHECK(std::string(row->keys) == "Ctrl+P");
+  const auto call = call_of({row->key, row->mods, false});
+  REQUIRE(call);
+  CHECK(call->action == UiAction::kPalette);
+}
+
+}  // namespace
+}  // namespace footlight::tools

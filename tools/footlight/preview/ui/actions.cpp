@@ -1,0 +1,56 @@
+#include "tools/footlight/preview/ui/actions.h"
+
+#include <fmt/format.h>
+
+#include "tools/footlight/preview/ui/panels.h"
+
+namespace footlight::tools {
+
+std::string label_of(const KeyRow& row, const UiDesk& desk) {
+  const UiCommand* command = row.call.action == UiAction::kUndo   ? desk.history().next_undo()
+                             : row.call.action == UiAction::kRedo ? desk.history().next_redo()
+                                                                  : nullptr;
+  return command == nullptr ? row.does : fmt::format("{}: {}", row.does, text_of(*command, desk.rig()));
+}
+
+bool is_possible(const KeyRow& row, const UiDesk& desk, bool has_log, const OutputsView* outputs) {
+  if (row.menu == UiMenu::kPlayback && !has_log) return false;
+  if (row.menu == UiMenu::kOutputs && outputs == nullptr) return false;
+  switch (row.call.action) {
+    case UiAction::kUndo: return desk.history().next_undo() != nullptr;
+    case UiAction::kRedo: return desk.history().next_redo() != nullptr;
+    case UiAction::kSave: return desk.can_edit();
+    case UiAction::kDelete: return desk.can_edit() && !desk.selected().empty();
+    case UiAction::kReleaseAll: return !desk.state().taken.empty();
+    case UiAction::kSelectAll: return !desk.rig().fixtures.empty();
+    case UiAction::kEndBlackout: return outputs->darkness != Darkness::kNone;
+    case UiAction::kDisarm: return outputs->live_count() > 0;
+    default: return true;
+  }
+}
+
+std::vector<UiActionItem> action_items(const UiDesk& desk, bool has_log, const OutputsView* outputs) {
+  constexpr int kDigits = 9;
+  std::vector<UiActionItem> items;
+  for (const KeyRow& row : key_rows()) {
+    if (row.keys == nullptr) continue;
+    if (row.call.action != UiAction::kCamera) {
+      items.push_back({row.call, label_of(row, desk), row.keys, is_possible(row, desk, has_log, outputs)});
+      continue;
+    }
+    for (int i = 0; i < static_cast<int>(desk.rig().cameras.size()); ++i) {
+      items.push_back({{UiAction::kCamera, i},
+                       "camera " + desk.rig().cameras[static_cast<std::size_t>(i)].name,
+                       i < kDigits ? std::to_string(i + 1) : std::string()});
+    }
+  }
+  for (std::size_t i = 0; i < panels().size(); ++i) {
+    const PanelInfo& panel = panels()[i];
+    items.push_back({{UiAction::kPanel, static_cast<int>(i)},
+                     fmt::format("panel {}: {}", panel.title, panel.shows),
+                     panel.key_text});
+  }
+  return items;
+}
+
+}  // namespace footlight::tools
