@@ -24,7 +24,6 @@ using footlight::testing::parsed_rig;
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
-// A palette over a rig with two cameras, where every action is possible.
 // One armed output during a blackout: everything of outputs is possible.
 OutputsView dark_output() {
   OutputsView view;
@@ -34,6 +33,7 @@ OutputsView dark_output() {
   return view;
 }
 
+// A palette over a rig with two cameras, where every action is possible.
 struct PaletteUi {
   PaletteUi() : ui(rig()) {
     const std::vector<std::uint8_t> levels(ui.desk.compiled().universes.size() * kSlotCountMax);
