@@ -322,4 +322,63 @@ TEST_CASE("a beam that is blocked at its lens gives no light, and 5,000 shadows 
   CHECK(std::all_of(picture.rgb.begin(), picture.rgb.end(), [](float v) { return std::isfinite(v) && v >= 0; }));
 }
 
+TEST_CASE("bodies behind others, and several in one place, hide what the judge says") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = optics_scene(false);
+  for (int i = 0; i < 3; ++i) scene.rig.boxes.push_back({"first", {-0.3, 1.5, 2.8}, {0.05, 1.6, 3.1}, glm::dvec3(0.5)});
+  for (int i = 0; i < 30; ++i) {
+    const double y = 1.7 + 0.1 * i;
+    scene.rig.boxes.push_back({"behind", {-0.2, y, 2.85}, {0, y + 0.05, 3.05}, glm::dvec3(0.5)});
+  }
+  const std::vector<std::uint8_t> levels = scene.levels;
+  scene.compile();
+  scene.levels = levels;
+  const auto frame = make_frame(vulkan.device(), scene, judged_settings(48, 27));
+  const PictureNorms norms = picture_norms(draw(*frame, scene).rgb, judged(scene, 48, 27).rgb);
+  std::fprintf(stderr, "behind others: relL2 %.3g, p99 %.3g, max %.3g\n", norms.rel_l2, norms.p99, norms.max);
+  CHECK(must(frame->read_counts()).shadows >= 33);
+  FrameSettings lit = judged_settings(48, 27);
+  lit.shadows = false;
+  CHECK(picture_norms(draw_new(vulkan.device(), scene, lit).rgb, judged(scene, 48, 27).rgb).rel_l2 > 0.01);
+  CHECK(norms.nonfinite == 0);
+  CHECK(norms.rel_l2 < 1e-3);
+}
+
+TEST_CASE("bars in a beam hide the same if each is cut into 30 pieces, in tiles of hundreds of shadows too") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const auto picture = [&](int pieces, int width, int height) {
+    Scene scene = optics_scene(false);
+    for (int bar = 0; bar < 24; ++bar) {
+      const double z = 2.7 + 0.025 * bar;
+      for (int i = 0; i < pieces; ++i) {
+        const double x = -0.4 + 0.8 * i / pieces;
+        const double over = i + 1 < pieces ? 1e-3 : 0;  // pieces overlap, so that no light passes between them
+        scene.rig.boxes.push_back({"bar", {x, 2, z}, {x + 0.8 / pieces + over, 2.01, z + 0.01}, glm::dvec3(0.5)});
+      }
+    }
+    const std::vector<std::uint8_t> levels = scene.levels;
+    scene.compile();
+    scene.levels = levels;
+    const auto frame = make_frame(vulkan.device(), scene, judged_settings(width, height));
+    const RadianceImage drawn = draw(*frame, scene);
+    CHECK(must(frame->read_counts()).shadows >= static_cast<std::uint32_t>(24 * pieces / 2));
+    return drawn;
+  };
+  const auto lit = [&](int width, int height) {
+    Scene scene = optics_scene(false);
+    return draw_new(vulkan.device(), scene, judged_settings(width, height));
+  };
+  CHECK(picture_norms(picture(1, 128, 72), lit(128, 72)).rel_l2 > 0.01);
+  // One tile has all of the beam, more pieces than a tile has room for; then tiles have parts of it.
+  for (const auto& [width, height] : {std::pair{16, 9}, std::pair{128, 72}}) {
+    const PictureNorms norms = picture_norms(picture(30, width, height), picture(1, width, height));
+    std::fprintf(stderr, "pieces of bars, %d x %d: relL2 %.3g, p99 %.3g, max %.3g\n", width, height, norms.rel_l2,
+                 norms.p99, norms.max);
+    CHECK(norms.nonfinite == 0);
+    CHECK(norms.rel_l2 < 1e-4);
+  }
+}
+
 }  // namespace
