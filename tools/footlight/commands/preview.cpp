@@ -104,7 +104,7 @@ extern const CommandInfo preview_command{
         "  footlight preview head.gdtf                         one fixture alone\n"
         "  footlight preview --demo --panels universes,inspector --select 'Spot 1'\n"
         "Click selects a fixture, left drag orbits, right drag pans, the wheel zooms. Keys: F1 lists them all, F2 the\n"
-        "universes, F3 the fixtures, F4 the inspector, F6 inputs and outputs, F7 the library, Ctrl+P finds any action,\n"
+        "universes, F3 the fixtures, F4 the inspector, F6 inputs and outputs, F7 the library, Ctrl+P finds actions,\n"
         "B is the blackout of outputs, 1-9 cameras, F frames what is selected, Ctrl+Z undoes, H hides the side\n"
         "panel, Esc closes. docs/window.md says more. Without a display use footlight render.",
     .add = add,
