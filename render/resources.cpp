@@ -535,18 +535,20 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   FL_ASSIGN(p.laser_masks, zeroed(device, laser_bytes));
   FL_ASSIGN(p.tile_depths, zeroed(device, tile_depth_bytes(settings, has_tile_depths(needs, settings))));
   const std::uint64_t fine_bytes = fine_mask_bytes(settings, mask_words, classes);
-  if (fine_bytes > device.limits().maxStorageBufferRange) {
+  const std::uint64_t shade_bytes =
+      shade_word_bytes(settings, mask_words, has_shadows_in_air(needs, settings) && classes);
+  if (std::max(fine_bytes, shade_bytes) > device.limits().maxStorageBufferRange) {
     return fail(ErrorCode::kUnsupported,
                 "{}: maxStorageBufferRange is {}, needed: {} bytes for the masks of tiles; use --tile-error 0 or a "
                 "smaller picture",
-                device.name(), device.limits().maxStorageBufferRange, fine_bytes);
+                device.name(), device.limits().maxStorageBufferRange, std::max(fine_bytes, shade_bytes));
   }
   const bool shadows = has_shadows_in_air(needs, settings);
   FL_ASSIGN(p.shadow_words, zeroed(device, shadow_word_bytes(settings, mask_words, shadows)));
   // With less room no list may be read, which is slow; nothing is lost.
   FL_ASSIGN(p.shadow_picks, zeroed(device, std::min<std::uint64_t>(shadow_pick_bytes(settings, mask_words, shadows),
                                                                    device.limits().maxStorageBufferRange)));
-  FL_ASSIGN(p.shade_words, zeroed(device, shade_word_bytes(settings, mask_words, shadows && classes)));
+  FL_ASSIGN(p.shade_words, zeroed(device, shade_bytes));
   FL_ASSIGN(p.fine_masks, zeroed(device, fine_bytes));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
   p.rims_max = record_rows(kRims, settings, mask_words, classes);

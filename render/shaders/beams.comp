@@ -55,7 +55,9 @@ uint supertile() {
 
 // Beams with shadows, of which the passes before have added all of their light: what is in the shadows is subtracted.
 #define FL_WALK_FINE (kTiles && counts.fine_groups[0] > 0u)
-#define FL_WALK_ALSO(word) (kShadows && FL_WALK_FINE ? shade_words[walk_word(word)].beams : 0u)
+// Whether shade.comp has run: it does for pictures alone.
+#define FL_WALK_LISTS (kShadows && FL_WALK_FINE && kView == uint(FL_VIEW_PICTURE))
+#define FL_WALK_ALSO(word) (FL_WALK_LISTS ? shade_words[walk_word(word)].beams : 0u)
 #define FL_WALK_BITS(word) (kShadows ? walk_now[word] : walk_bits[word])
 uint walk_word(uint word);
 bool tile_takes(uint beam, uint number);

@@ -1,6 +1,6 @@
 #version 460
-// Takes shadows of a beam away that hide nothing more: those of bodies that are wholly in the shadow of another one. A
-// workgroup a beam. Their rows stay, with a plane that nothing is inside of.
+// Marks shadows of a beam that hide nothing more in the air: those of bodies that are wholly in the shadow of another
+// one. On surfaces they count, since those of a fixture ignore its own body. A workgroup a beam.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #define FL_USE_BEAMS
@@ -27,16 +27,18 @@ layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) readonly buffer Shado
 
 shared uint hidden[FL_BEAM_SHADOWS_MAX / 32];
 
-// Whether a body is wholly in a shadow; at its fronts by as much as a surface may lie inside what throws it.
-bool is_behind(ShadowSolid solid, uint shadow) {
+// Whether a body is wholly in a shadow; at its fronts by as much as a surface may lie inside what throws it. A loop that
+// Mesa ends early would be wrong here, so there is none.
+bool is_behind(ShadowSolid solid, uint shadow, float slack_m) {
   uint count = shadow_planes(shadow);
   uint outline = shadow_outline(shadow);
   bool inside = true;
-  for (uint k = 0u; k < count && inside; ++k) {
+  [[unroll]] for (uint k = 0u; k < uint(FL_SHADOW_PLANES); ++k) {
     vec4 plane = shadows[shadow].planes[k];
     float reach = dot(plane.xyz, solid.center);
     [[unroll]] for (int i = 0; i < 3; ++i) reach += abs(dot(plane.xyz, solid.half_edge[i]));
-    inside = reach <= plane.w - (k < outline ? 0.0 : shadows[shadow].slack_m);
+    float most = plane.w + slack_m - (k < outline ? 0.0 : shadows[shadow].slack_m);
+    inside = inside && (k >= count || reach <= most);
   }
   return inside;
 }
@@ -54,11 +56,13 @@ void main() {
     ShadowSolid solid = solid_of(occluders[shadows[list.first + own].occluder], row);
     bool is_hidden = false;
     for (uint other = 0u; other < list.count && !is_hidden; ++other) {
-      if (other == own || !is_behind(solid, list.first + other)) continue;
-      // Of two that hide each other the first one stays.
+      if (other == own || !is_behind(solid, list.first + other, 0.0)) continue;
+      // Of two that hide each other the first one stays, also where rounding has a say.
       is_hidden = other < own;
       if (!is_hidden) {
-        is_hidden = !is_behind(solid_of(occluders[shadows[list.first + other].occluder], row), list.first + own);
+        float rounding_m = 1e-5 * (1.0 + length(solid.center));
+        ShadowSolid there = solid_of(occluders[shadows[list.first + other].occluder], row);
+        is_hidden = !is_behind(there, list.first + own, rounding_m);
       }
     }
     if (is_hidden) atomicOr(hidden[own / 32u], 1u << (own & 31u));
@@ -66,7 +70,6 @@ void main() {
   barrier();
   for (uint own = lane; own < list.count; own += uint(FL_GROUP_SHADOWS)) {
     if ((hidden[own / 32u] >> (own & 31u) & 1u) == 0u) continue;
-    shadows[list.first + own].count = 1u;
-    shadows[list.first + own].planes[0] = vec4(0.0, 0.0, 0.0, -1.0);
+    shadows[list.first + own].count |= FL_SHADOW_HIDDEN;
   }
 }

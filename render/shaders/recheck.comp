@@ -104,7 +104,7 @@ vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m)
     for (uint n = first; n < first + shadow_lists[index].count; ++n) {
       float x0;
       float x1;
-      if (shadow_part(n, ends, x0, x1)) shadow_parts_add(parts, x0, x1);
+      if (shadow_part(shadow_whole(n), ends, x0, x1)) shadow_parts_add(parts, x0, x1);
     }
   }
   Chord whole = chord;

@@ -129,6 +129,8 @@ void store_team_entries(bool stores, uint e, uint count, ShadowPicks picks, Shad
     if (entry != FL_NONE && at < count) shadow_picks[place + 1u + at] = entry;
     kept += bitCount(ones);
   }
+  // What the first search has found and this one has not would stand there from another frame.
+  if (is_long && team_lane() == 0u) shadow_picks[place] = min(kept, count);
 }
 
 // The dark part of a beam's light on the ray through a place, over J0 and sigma_s; its shadows are `count` team entries

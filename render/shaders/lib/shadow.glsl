@@ -119,7 +119,7 @@ uint shadow_in_cell(uint entry, ShadowCell cell) {
   uint shadow = entry_shadow(entry);
   uint planes = entry_planes(entry);
   uint rounds = plane_rounds(planes);
-  bool outside = cell.near_m > cell.far_m;
+  bool outside = cell.near_m > cell.far_m || shadow_is_hidden(shadow);
   uint crossing = 0u;
   uint outline = shadow_outline(shadow);
   float slack_m = max(shadows[shadow].slack_m, kShadowAirSlackM);

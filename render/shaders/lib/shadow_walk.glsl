@@ -21,7 +21,7 @@ bool is_left(uint beam) {
 
 // The shadows of a beam that are listed for what holds the tile.
 ShadowPicks picks_here(uint beam) {
-  if (FL_WALK_FINE) {
+  if (FL_WALK_LISTS) {
     ShadowWordRow word = shade_words[walk_word(beam >> 5)];
     if (!is_in_word(word, beam)) return ShadowPicks(0u, 0u, false);
     uint all = uint(shadow_picks.length());

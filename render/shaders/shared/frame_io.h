@@ -581,12 +581,13 @@ struct ShadowWordRow {
 };
 // A ShadowPrism (shadow.h), 208 bytes. Planes: normal, offset, in the beam's light space.
 struct ShadowRow {
-  uint count;     // of planes; << 8: of them, those at the end that are fronts
+  uint count;     // of planes; << 8: of them, those at the end that are fronts; FL_SHADOW_HIDDEN
   uint occluder;  // its row
   uint fixture;   // as OccluderRow
   float slack_m;  // likewise
   vec4 planes[12];  // filled up to a multiple of 4
 };
+#define FL_SHADOW_HIDDEN 65536u        // adds nothing to another shadow of the beam, in the air
 #define FL_SHADOW_PLANE_BITS 12        // of an entry of a list
 #define FL_SHADOW_ROWS_MAX 1048575     // what the other bits can number
 // Words that all lists together have, for each supertile: so many a beam of the rig, and at least FL_PICKS_MIN. All
