@@ -29,6 +29,7 @@ std::string printable(std::string_view text) {
 }  // namespace
 
 void ArtnetNodes::receive(const ArtnetPollReply& reply, const Datagram& datagram, TimeNs now_ns) {
+  const std::lock_guard lock(mutex_);
   // The device's address is the one that the datagram came from, whatever its reply contains. So a forged reply cannot
   // direct levels to another device. On this machine answers come over loopback, and the reply contains the address.
   std::uint32_t ipv4 = datagram.from_ipv4;
@@ -66,6 +67,7 @@ void ArtnetNodes::receive(const ArtnetPollReply& reply, const Datagram& datagram
 }
 
 void ArtnetNodes::expire(TimeNs now_ns) {
+  const std::lock_guard lock(mutex_);
   if (now_ns < next_expiry_ns_) return;
   next_expiry_ns_ = kTimeNever;
   const auto is_old = [&](TimeNs received_ns) {
@@ -83,6 +85,7 @@ void ArtnetNodes::expire(TimeNs now_ns) {
 
 void ArtnetNodes::subscribers_of(int port_address, bool output, std::span<const int> interfaces,
                                  std::vector<std::uint32_t>& ipv4s) const {
+  const std::lock_guard lock(mutex_);
   for (const auto& [ipv4, device] : devices_) {
     if (!interfaces.empty() &&
         std::find(interfaces.begin(), interfaces.end(), device.node.interface_index) == interfaces.end()) {
@@ -93,6 +96,7 @@ void ArtnetNodes::subscribers_of(int port_address, bool output, std::span<const 
 }
 
 std::string ArtnetNodes::name_of(std::uint32_t ipv4) const {
+  const std::lock_guard lock(mutex_);
   const auto found = devices_.find(ipv4);
   if (found == devices_.end()) return {};
   const ArtnetNode& node = found->second.node;
@@ -100,6 +104,7 @@ std::string ArtnetNodes::name_of(std::uint32_t ipv4) const {
 }
 
 std::vector<ArtnetNode> ArtnetNodes::list() const {
+  const std::lock_guard lock(mutex_);
   std::vector<ArtnetNode> nodes;
   for (const auto& [ipv4, device] : devices_) {
     ArtnetNode& node = nodes.emplace_back(device.node);
@@ -164,14 +169,25 @@ bool ArtnetProgram::is_own_frame(const ArtnetDmx& dmx) const {
 }
 
 bool ArtnetProgram::may_poll(std::uint32_t broadcast, TimeNs now_ns) {
+  const std::lock_guard lock(mutex_);
   const auto polled = polled_ns_.find(broadcast);
   if (polled != polled_ns_.end() && now_ns - polled->second < kArtnetPollIntervalNs) return false;
   polled_ns_[broadcast] = poll_ns_ = now_ns;
   return true;
 }
 
-bool ArtnetProgram::is_own_poll(TimeNs arrived_ns) const { return came_back(poll_ns_, arrived_ns); }
-bool ArtnetProgram::is_own_sync(TimeNs arrived_ns) const { return came_back(sync_ns_, arrived_ns); }
+bool ArtnetProgram::is_own_poll(TimeNs arrived_ns) const {
+  const std::lock_guard lock(mutex_);
+  return came_back(poll_ns_, arrived_ns);
+}
+void ArtnetProgram::note_sync(TimeNs now_ns) {
+  const std::lock_guard lock(mutex_);
+  sync_ns_ = now_ns;
+}
+bool ArtnetProgram::is_own_sync(TimeNs arrived_ns) const {
+  const std::lock_guard lock(mutex_);
+  return came_back(sync_ns_, arrived_ns);
+}
 
 void ArtnetAnswers::add(const ArtnetPoll& poll, const Datagram& datagram, std::uint64_t seed, TimeNs now_ns) {
   for (Requester& requester : requesters_) {

@@ -65,7 +65,7 @@ class ArtnetNodes {
   // Removes devices and ports that timed out. Cheap before the first can have timed out.
   void expire(TimeNs now_ns);
   // Increases when a port appears or disappears.
-  [[nodiscard]] std::uint64_t revision() const { return revision_; }
+  [[nodiscard]] std::uint64_t revision() const { return revision_.load(std::memory_order_relaxed); }
 
   // Appends the addresses of the devices that take this port address (`output`), or that send it. `interfaces`: only
   // devices received on one of these; empty: all.
@@ -81,9 +81,10 @@ class ArtnetNodes {
     ArtnetNode node;              // without its ports
     std::map<int, TimeNs> ports;  // key: 2 * port address + (1: output); value: when last received
   };
-  std::map<std::uint32_t, Device> devices_;
-  TimeNs next_expiry_ns_ = kTimeNever;
-  std::uint64_t revision_ = 0;
+  mutable std::mutex mutex_;                  // two pumps of one program may have ports
+  std::map<std::uint32_t, Device> devices_;  // guarded by mutex_
+  TimeNs next_expiry_ns_ = kTimeNever;       // guarded by mutex_
+  std::atomic<std::uint64_t> revision_ = 0;
 };
 
 // A digest of the levels of one ArtDmx, to recognise own frames.
@@ -94,21 +95,24 @@ class ArtnetNodes {
 class ArtnetOwnFrames {
  public:
   void note(int port_address, std::uint8_t sequence, std::uint64_t digest) {
+    const std::lock_guard lock(mutex_);
     digests_[port_address][sequence] = digest;
   }
   [[nodiscard]] bool has(int port_address, std::uint8_t sequence, std::uint64_t digest) const {
+    const std::lock_guard lock(mutex_);
     const auto found = digests_.find(port_address);
     return found != digests_.end() && digest != 0 && found->second[sequence] == digest;
   }
 
  private:
-  std::unordered_map<int, std::array<std::uint64_t, 256>> digests_;
+  mutable std::mutex mutex_;  // a source may read what the sink of another pump writes
+  std::unordered_map<int, std::array<std::uint64_t, 256>> digests_;  // guarded by mutex_
 };
 
 // The Art-Net ports of one program share what each of them receives. Unicast to UDP port 6454 has one receiver, so the
 // answer to a sink's poll arrives at the source's socket if there is a source.
 //
-// Ports are added and removed on any thread; everything else is for the pump's thread.
+// Thread-safe: ports of two pumps may share it.
 class ArtnetProgram {
  public:
   ArtnetNodes nodes;
@@ -133,7 +137,7 @@ class ArtnetProgram {
   // True if a poll from this machine is one of ours, received back: it arrives almost at once. Another program's poll
   // at that moment stays unanswered once; neither polls at a fixed interval.
   [[nodiscard]] bool is_own_poll(TimeNs arrived_ns) const;
-  void note_sync(TimeNs now_ns) { sync_ns_ = now_ns; }
+  void note_sync(TimeNs now_ns);
   [[nodiscard]] bool is_own_sync(TimeNs arrived_ns) const;
 
  private:
@@ -141,7 +145,7 @@ class ArtnetProgram {
   std::map<int, int> source_port_addresses_;                  // guarded by mutex_; how many sources have it
   std::vector<std::shared_ptr<ArtnetOwnFrames>> own_frames_;  // guarded by mutex_: the list, not its elements
   std::atomic<int> source_count_ = 0;
-  std::map<std::uint32_t, TimeNs> polled_ns_;
+  std::map<std::uint32_t, TimeNs> polled_ns_;  // guarded by mutex_, as the next two
   TimeNs poll_ns_ = -kTimeNever;
   TimeNs sync_ns_ = -kTimeNever;
 };

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/eventfd.h>
@@ -23,14 +24,19 @@ void on_signal(int) {
   errno = saved_errno;
 }
 
-void set_action(void (*handler)(int), int flags) {
+void set_one(int signal, void (*handler)(int), int flags) {
   struct sigaction action = {};
   action.sa_handler = handler;
   action.sa_flags = flags;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  sigaction(signal, &action, nullptr);
 }
+void set_action(void (*handler)(int), int flags) {
+  set_one(SIGINT, handler, flags);
+  set_one(SIGTERM, handler, flags);
+}
+
+bool hangs_up = false;
 
 }  // namespace
 
@@ -45,11 +51,20 @@ StopSignal::StopSignal() {
 StopSignal::~StopSignal() {
   pump_to_stop.store(nullptr);
   set_action(SIG_DFL, 0);
+  if (!std::exchange(hangs_up, false)) return;
+  set_one(SIGHUP, SIG_DFL, 0);
+  set_one(SIGQUIT, SIG_DFL, 0);
 }
 
 void StopSignal::stops(Pump* pump) {
   pump_to_stop.store(pump);
   if (pump != nullptr && came()) pump->request_stop();
+}
+
+void StopSignal::also_hangup() {
+  hangs_up = true;
+  set_one(SIGHUP, on_signal, static_cast<int>(SA_RESETHAND | SA_RESTART));
+  set_one(SIGQUIT, on_signal, static_cast<int>(SA_RESETHAND | SA_RESTART));
 }
 
 bool StopSignal::came() const { return signal_came.load(); }

@@ -17,6 +17,8 @@ class StopSignal {
 
   // nullptr: no pump any more. A stored signal stops the pump at once.
   void stops(Pump* pump);
+  // SIGHUP and SIGQUIT stop as SIGTERM does, for a program whose lamps would stay lit when its terminal closes.
+  void also_hangup();
   [[nodiscard]] bool came() const;
 };
 

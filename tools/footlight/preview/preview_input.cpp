@@ -69,12 +69,13 @@ void Preview::draw_ui() {
     panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
   }
   const OutputsView* outputs = outputs_ ? &outputs_view_ : nullptr;
+  const bool palette_open = palette_.is_open();
   if (const auto found = palette_.draw(*desk_, player_ != nullptr, outputs, window_->ui_scale())) {
     desk_->begin_gesture();
     chosen = found;
   }
   if (chosen) call(*chosen);
-  take_input();
+  take_input(palette_open);
   // The last movement of a drag comes with the release.
   if (any_button([](ImGuiMouseButton button) { return ImGui::IsMouseReleased(button); })) desk_->begin_gesture();
   if (const Selection& selection = desk_->state().selection; !selection.fixtures.empty()) {
@@ -130,7 +131,8 @@ void Preview::take_mouse() {
   if (moves) desk_->move_camera(camera);
 }
 
-void Preview::take_input() {
+// typing: keys belong to the palette, also Esc, which it has seen.
+void Preview::take_input(bool typing) {
   const ImGuiIO& io = ImGui::GetIO();
   if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
   take_mouse();
@@ -138,7 +140,7 @@ void Preview::take_input() {
     const auto asked = call_of(key);
     if (!asked) continue;
     const bool dark = acts_always(key) || asked->action == UiAction::kBlackout;
-    if (io.WantTextInput && !acts_always(key)) continue;
+    if ((io.WantTextInput || typing || palette_.is_open()) && !acts_always(key)) continue;
     if (asks_close_ && !dark && asked->action != UiAction::kEscape) continue;
     if (!key.repeated) desk_->begin_gesture();
     call(*asked);

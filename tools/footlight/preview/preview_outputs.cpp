@@ -67,7 +67,8 @@ void Preview::drive_outputs() {
     tell(fmt::format("{} to real lamps, not armed: F6", counted(outputs_view_.rows.size(), "output")));
   }
   for (std::string& notice : outputs_->notices()) {
-    fmt::print(stderr, "footlight: {}\n", notice);
+    // Without exceptions, since standard error may be gone: outputs go on.
+    std::fputs(("footlight: " + notice + "\n").c_str(), stderr);
     tell(notice);
     outputs_view_.notice = std::move(notice);
   }

@@ -48,7 +48,8 @@ Result<int> Preview::run() {
 }
 
 Result<int> Preview::open_and_turn() {
-  const StopSignal signal;
+  StopSignal signal;
+  signal.also_hangup();
   FL_ASSIGN(const bool opened, open(signal));
   if (!opened) return kExitOk;
   start_ns_ = last_ns_ = second_ns_ = clock_.now_ns();

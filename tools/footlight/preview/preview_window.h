@@ -110,7 +110,7 @@ class Preview {
 
   // What lies over the picture, mouse and keys: preview_input.cpp.
   void draw_ui();
-  void take_input();
+  void take_input(bool typing);
   void take_mouse();
   void call(const UiCall& call);
   void take_camera(std::size_t index);

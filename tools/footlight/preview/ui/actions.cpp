@@ -24,7 +24,7 @@ bool is_possible(const KeyRow& row, const UiDesk& desk, bool has_log, const Outp
     case UiAction::kReleaseAll: return !desk.state().taken.empty();
     case UiAction::kSelectAll: return !desk.rig().fixtures.empty();
     case UiAction::kEndBlackout: return outputs->darkness != Darkness::kNone;
-    case UiAction::kDisarm: return outputs->live_count() > 0;
+    case UiAction::kDisarm: return outputs->any_on();
     default: return true;
   }
 }

@@ -18,6 +18,12 @@ std::size_t OutputsView::live_count() const {
       std::count_if(rows.begin(), rows.end(), [](const OutputRow& row) { return row.state == ArmState::kArmed; }));
 }
 
+bool OutputsView::any_on() const {
+  return std::any_of(rows.begin(), rows.end(), [](const OutputRow& row) {
+    return row.state == ArmState::kArmed || row.state == ArmState::kOpening;
+  });
+}
+
 void OutputsView::disarm_all() {
   disarm.clear();
   for (std::size_t i = 0; i < rows.size(); ++i) disarm.push_back(i);

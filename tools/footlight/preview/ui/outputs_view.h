@@ -66,6 +66,8 @@ struct OutputsView {
 
   // How many of them send.
   [[nodiscard]] std::size_t live_count() const;
+  // Some output is armed, or will be.
+  [[nodiscard]] bool any_on() const;
   void disarm_all();
 };
 

@@ -96,7 +96,8 @@ std::optional<UiCall> Palette::draw(const UiDesk& desk, bool has_log, const Outp
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y * 0.12f}, ImGuiCond_Always, {0.5f, 0});
   ImGui::SetNextWindowSize({std::min(kPaletteWidth * scale, std::max(size.x - 16, 1.0f)), 0});
-  if (!ImGui::BeginPopup(kPalettePopup)) return std::nullopt;
+  shown_ = ImGui::BeginPopup(kPalettePopup);
+  if (!shown_) return std::nullopt;
   std::optional<UiCall> chosen;
   if (begins) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
