@@ -27,8 +27,8 @@ layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) readonly buffer Shado
 
 shared uint hidden[FL_BEAM_SHADOWS_MAX / 32];
 
-// Whether a body is wholly in a shadow; at its fronts by as much as a surface may lie inside what throws it. A loop that
-// Mesa ends early would be wrong here, so there is none.
+// Whether a body is wholly in a shadow; at its fronts by as much as a surface may lie inside what throws it. A loop
+// that Mesa ends early would be wrong here, so there is none.
 bool is_behind(ShadowSolid solid, uint shadow, float slack_m) {
   uint count = shadow_planes(shadow);
   uint outline = shadow_outline(shadow);
