@@ -91,6 +91,13 @@ TEST_CASE("the list of actions has every key that the table shows, every panel a
   CHECK(std::all_of(items.begin(), items.end(), [](const UiActionItem& item) { return item.possible; }));
 }
 
+TEST_CASE("keys belong to the palette from the moment it is asked for") {
+  Palette palette;
+  CHECK(!palette.is_open());
+  palette.open();
+  CHECK(palette.is_open());
+}
+
 TEST_CASE("each action is found by its words and run by Enter") {
   PaletteUi one;
   for (const UiActionItem& item : action_items(one.ui.desk, true, &one.outputs)) {
@@ -98,6 +105,7 @@ TEST_CASE("each action is found by its words and run by Enter") {
     CAPTURE(item.label);
     one.open();
     REQUIRE(EditUi::has_popup());
+    CHECK(one.palette.is_open());
     // Backwards, since the order of words does not matter.
     one.write(item.keys + " " + item.label);
     one.ui.hit(kEnter);
