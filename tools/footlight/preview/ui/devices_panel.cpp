@@ -162,14 +162,11 @@ class DevicesPanel final : public Panel {
   void draw_buttons(OutputsView& outputs, float scale) {
     const bool any_off = std::any_of(outputs.rows.begin(), outputs.rows.end(),
                                      [](const OutputRow& row) { return row.state == ArmState::kOff; });
-    const bool any_on = std::any_of(outputs.rows.begin(), outputs.rows.end(), [](const OutputRow& row) {
-      return row.state == ArmState::kArmed || row.state == ArmState::kOpening;
-    });
     ImGui::BeginDisabled(!any_off);
     if (ImGui::Button("arm all ...")) asks(kAll);
     ImGui::EndDisabled();
     ImGui::SameLine();
-    ImGui::BeginDisabled(!any_on);
+    ImGui::BeginDisabled(!outputs.any_on());
     if (ImGui::Button("disarm all")) outputs.disarm_all();
     ImGui::EndDisabled();
     ImGui::SameLine(0, 24 * scale);
