@@ -1,6 +1,7 @@
 #include "render/frame.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -14,6 +15,7 @@
 #include "render/passes/records.h"
 #include "render/passes/step.h"
 #include "render/passes/tonemap.h"
+#include "render/shadow_tables.h"
 
 namespace footlight::render {
 namespace {
@@ -96,6 +98,11 @@ Status Frame::check_settings(const FrameSettings& settings) const {
     return fail(ErrorCode::kBadInput, "{} samples of a pixel with an edge: expected 0, 4, 8 or 16",
                 settings.edge_samples);
   }
+  const std::uint32_t map_px = settings.shadow_map_px;
+  if (map_px != 0 && map_px != kShadowsSuited &&
+      (map_px < kMapLeastPx || map_px > kMapMostPx || !std::has_single_bit(map_px))) {
+    return fail(ErrorCode::kBadInput, "shadow maps of {} texels a side: expected 16, 32, 64, 128 or 256, or 0", map_px);
+  }
   if (!(settings.glare >= 0 && settings.glare <= 1)) {
     return fail(ErrorCode::kBadInput, "glare {}: expected a share of the light, 0 to 1", settings.glare);
   }
@@ -137,6 +144,14 @@ Status Frame::change(const FrameSettings& requested) {
   }
   if (has_occluders(needs, settings) && !resources_.rig.has_occluders) {
     return fail(ErrorCode::kBadInput, "shadows were left out when the frame was made: expected a new frame");
+  }
+  if (settings.shadow_map_px == kShadowsSuited) settings.shadow_map_px = resources_.rig.shadow_map_px;
+  if (has_shadows(needs, settings)) {
+    if ((settings.shadow_map_px > 0) != (resources_.rig.shadow_map_px > 0)) {
+      return fail(ErrorCode::kBadInput, "the frame was made for {}: expected a new frame",
+                  resources_.rig.shadow_map_px > 0 ? "shadow maps" : "exact shadows");
+    }
+    settings.shadow_map_px = resources_.rig.shadow_map_px;
   }
   if (has_bounce(needs, settings) && !resources_.rig.has_bounce) {
     return fail(ErrorCode::kBadInput, "reflected light was left out when the frame was made: expected a new frame");

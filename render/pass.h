@@ -89,6 +89,10 @@ struct PassEntry {
 [[nodiscard]] inline bool has_shadows(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.fixtures && settings.shadows && has_solids(needs, settings);
 }
+// Texels a side of shadow maps; 0: there are none.
+[[nodiscard]] inline std::uint32_t shadow_map_px(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_shadows(needs, settings) && settings.shadow_map_px != kShadowsSuited ? settings.shadow_map_px : 0;
+}
 // Whether anything hides light in the air.
 [[nodiscard]] inline bool has_shadows_in_air(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shadows(needs, settings) && has_air(needs, settings);

@@ -101,6 +101,7 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_BODY_BOXES, &R::body_boxes},
     {FL_BINDING_SHADOW_LISTS, &R::shadow_lists},
     {FL_BINDING_SHADOWS, &R::shadows},
+    {FL_BINDING_BEAM_MAPS, &R::shadow_maps},
     {FL_BINDING_BOUNCE_SOLIDS, &R::bounce_solids},
     {FL_BINDING_BOUNCE_TREE, &R::bounce_tree},
     {FL_BINDING_BOUNCE_PATCHES, &R::bounce_patch_rows},
@@ -356,6 +357,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_OCCLUDERS: return occluder_bytes(shape);
     case FL_BINDING_SHADOW_LISTS: return shadow_list_bytes(shape);
     case FL_BINDING_SHADOWS: return shadow_bytes(shape);
+    case FL_BINDING_BEAM_MAPS: return shadow_map_bytes(shape);
     case FL_BINDING_BOUNCE_SOLIDS:
     case FL_BINDING_BOUNCE_TREE:
     case FL_BINDING_BOUNCE_PATCHES:
@@ -395,7 +397,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_SHADOW_WORDS:
       return shadow_word_bytes(settings, mask_words_of(shape.compiled), has_shadows_in_air(shape.needs, settings));
     case FL_BINDING_SHADOW_PICKS:
-      return shadow_pick_bytes(settings, mask_words_of(shape.compiled), has_shadows_in_air(shape.needs, settings));
+      return shadow_pick_bytes(settings, mask_words_of(shape.compiled),
+                               has_shadows_in_air(shape.needs, settings) && shadow_map_bytes(shape) <= 4);
     case FL_BINDING_FINE_MASKS:
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
     case FL_BINDING_SHADE_WORDS:
@@ -485,7 +488,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   if (r.has_bodies || r.has_trees) {
     FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r, r.has_occluders ? &object_solids : nullptr));
   }
-  if (used[FL_BINDING_SHADOWS] || used[FL_BINDING_OCCLUDERS]) {
+  if (used[FL_BINDING_SHADOWS] || used[FL_BINDING_OCCLUDERS]) {  // the former also where there are maps
     FL_TRY(make_shadow_tables(device, shape, object_solids, r));
   }
   if (used[FL_BINDING_PANES]) FL_TRY(make_pane_tables(device, shape.rig, r));
@@ -546,8 +549,10 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   const bool shadows = has_shadows_in_air(needs, settings);
   FL_ASSIGN(p.shadow_words, zeroed(device, shadow_word_bytes(settings, mask_words, shadows)));
   // With less room no list may be read, which is slow; nothing is lost.
-  FL_ASSIGN(p.shadow_picks, zeroed(device, std::min<std::uint64_t>(shadow_pick_bytes(settings, mask_words, shadows),
-                                                                   device.limits().maxStorageBufferRange)));
+  const std::uint64_t pick_bytes =
+      shadow_pick_bytes(settings, mask_words, shadows && shadow_map_px(needs, settings) == 0);
+  FL_ASSIGN(p.shadow_picks,
+            zeroed(device, std::min<std::uint64_t>(pick_bytes, device.limits().maxStorageBufferRange)));
   FL_ASSIGN(p.shade_words, zeroed(device, shade_bytes));
   FL_ASSIGN(p.fine_masks, zeroed(device, fine_bytes));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));

@@ -77,6 +77,7 @@ struct RigTables {
   vk::Buffer display_cells;                           // words of the cells of displays, on all levels
   vk::Buffer shadow_lists;   // ShadowListRow, one a beam
   vk::Buffer shadows;        // ShadowRow
+  vk::Buffer shadow_maps;    // lib/shadow_map.glsl
   // Light that surfaces reflect (render/bounce_tables.h). The forms are computed by the first frame that reads them.
   vk::Buffer bounce_solids, bounce_tree, bounce_patch_rows, bounce_grid, bounce_forms, bounce_flux, bounce_light;
   vk::Buffer haze;               // HazeField
@@ -124,6 +125,7 @@ struct RigTables {
   std::uint64_t levels_bytes = 0;
   bool has_bodies = false;        // the models were read
   bool has_shadows = false;       // there is what shadows of beams need
+  std::uint32_t shadow_map_px = 0;  // texels a side of shadow maps; 0: shadows are cut exactly
   bool has_occluders = false;     // it is known what hides light
   bool has_trees = false;         // there is what smooth edges need
   bool has_bounce = false;        // there is what reflected light needs

@@ -39,6 +39,11 @@ enum class ToneCurve : std::uint32_t {
   kLinear = FL_TONE_LINEAR
 };
 
+inline constexpr std::uint32_t kShadowsSuited = ~0u;
+inline constexpr std::uint32_t kMapUsualPx = 64;
+inline constexpr std::uint32_t kMapLeastPx = 16;
+inline constexpr std::uint32_t kMapMostPx = 256;
+
 struct FrameSettings {
   int width = 1280;
   int height = 720;
@@ -75,6 +80,10 @@ struct FrameSettings {
   // Samples of what a pixel shows, where the edge of something solid may be in it: 4, 8 or 16; 0: edges stay jagged.
   std::uint32_t edge_samples = 16;
   bool shadows = true;  // boxes and bodies hide light
+  // Texels a side of shadow maps, 16 to 256, a power of two; 0: shadows are cut exactly. A new frame makes fewer where
+  // the maps of all beams would take more than FL_MAP_BYTES_MAX. kShadowsSuited: as suits the rig (suited_map_px,
+  // shadow_tables.h). A new frame reads it; change() refuses another way than the frame was made for.
+  std::uint32_t shadow_map_px = kShadowsSuited;
   // Boxes and built-in scenery reflect light to each other and to bodies (render/bounce_tables.h). Off here since the
   // judge has no such light; `render` and `preview` turn it on.
   bool bounce = false;

@@ -53,9 +53,14 @@ std::size_t planned_occluders(const MemoryShape& shape) {
   return all_occluders(shape, parts).size();
 }
 
+std::uint64_t map_bytes(const MemoryShape& shape, std::uint32_t px) {
+  const std::uint64_t texels = std::uint64_t{px} * px + std::uint64_t{FL_MAP_CELLS} * FL_MAP_CELLS;
+  return std::max<std::uint64_t>(shape.compiled.beams_max, 1) * texels * sizeof(std::uint32_t);
+}
+
 // Every beam may have a shadow of everything, up to what the entries of lists can number.
 std::uint64_t shadow_bytes_of(const MemoryShape& shape, std::size_t occluders) {
-  if (!has_shadows(shape.needs, shape.settings)) return sizeof(ShadowRow);
+  if (!has_shadows(shape.needs, shape.settings) || suited_map_px(shape, FL_MAP_BYTES_MAX) > 0) return sizeof(ShadowRow);
   const std::uint64_t pairs = shape.compiled.beams_max * std::uint64_t{occluders};
   return std::clamp<std::uint64_t>(pairs, 1, FL_SHADOW_ROWS_MAX) * sizeof(ShadowRow);
 }
@@ -71,6 +76,21 @@ std::uint64_t shadow_list_bytes(const MemoryShape& shape) {
 
 std::uint64_t shadow_bytes(const MemoryShape& shape) { return shadow_bytes_of(shape, planned_occluders(shape)); }
 
+std::uint64_t shadow_map_bytes(const MemoryShape& shape) {
+  const std::uint32_t px = suited_map_px(shape, FL_MAP_BYTES_MAX);
+  return px > 0 ? map_bytes(shape, px) : sizeof(std::uint32_t);
+}
+
+std::uint32_t suited_map_px(const MemoryShape& shape, std::uint64_t range_bytes) {
+  if (!has_shadows(shape.needs, shape.settings)) return 0;
+  std::uint32_t px = shape.settings.shadow_map_px;
+  if (px == kShadowsSuited) {
+    px = shape.compiled.beams_max * std::uint64_t{planned_occluders(shape)} > kExactPairsMax ? kMapUsualPx : 0;
+  }
+  while (px >= kMapLeastPx && map_bytes(shape, px) > std::min<std::uint64_t>(FL_MAP_BYTES_MAX, range_bytes)) px /= 2;
+  return px >= kMapLeastPx ? px : 0;
+}
+
 Status make_shadow_tables(vk::Device& device, const MemoryShape& shape,
                           const std::vector<fixtures::SolidBox>& object_solids, RigTables& r) {
   const std::vector<OccluderRow> rows = all_occluders(shape, object_solids);
@@ -78,12 +98,18 @@ Status make_shadow_tables(vk::Device& device, const MemoryShape& shape,
   FL_ASSIGN(r.shadow_lists,
             vk::Buffer::device_local(device, shadow_list_bytes(shape), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   const std::uint64_t range = device.limits().maxStorageBufferRange;
+  r.shadow_map_px = suited_map_px(shape, range);
+  FL_ASSIGN(r.shadow_maps,
+            vk::Buffer::device_local(device, r.shadow_map_px > 0 ? map_bytes(shape, r.shadow_map_px) : 4,
+                                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   const std::uint64_t bytes =
-      std::min(shadow_bytes_of(shape, rows.size()), range / sizeof(ShadowRow) * sizeof(ShadowRow));
+      r.shadow_map_px > 0 ? sizeof(ShadowRow)
+                          : std::min(shadow_bytes_of(shape, rows.size()), range / sizeof(ShadowRow) * sizeof(ShadowRow));
   FL_ASSIGN(r.shadows, vk::Buffer::device_local(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   return device.run_once([&](VkCommandBuffer commands) {
     vkCmdFillBuffer(commands, r.shadow_lists.handle, 0, VK_WHOLE_SIZE, 0);
     vkCmdFillBuffer(commands, r.shadows.handle, 0, VK_WHOLE_SIZE, 0);
+    vkCmdFillBuffer(commands, r.shadow_maps.handle, 0, VK_WHOLE_SIZE, 0);
   });
 }
 

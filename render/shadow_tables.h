@@ -16,7 +16,16 @@ namespace footlight::render {
 [[nodiscard]] std::uint64_t shadow_list_bytes(const MemoryShape& shape);
 [[nodiscard]] std::uint64_t shadow_bytes(const MemoryShape& shape);
 
-// Makes the three tables. `object_solids`: as scene_mesh() makes them.
+// The same of the shadow maps; a device that allows less for a table gets fewer texels.
+[[nodiscard]] std::uint64_t shadow_map_bytes(const MemoryShape& shape);
+
+// FrameSettings::shadow_map_px of a frame: as it stands there, or as suits the rig, which is maps where all beams have
+// more than kExactPairsMax pairs with what may hide their light; halved until the maps of all beams fit into
+// FL_MAP_BYTES_MAX and `range_bytes`, the largest table of the device. 0 where even the least ones do not.
+inline constexpr std::uint64_t kExactPairsMax = 1'000'000;
+[[nodiscard]] std::uint32_t suited_map_px(const MemoryShape& shape, std::uint64_t range_bytes);
+
+// Makes the four tables. `object_solids`: as scene_mesh() makes them.
 Status make_shadow_tables(vk::Device& device, const MemoryShape& shape,
                           const std::vector<fixtures::SolidBox>& object_solids, RigTables& r);
 

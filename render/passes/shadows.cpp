@@ -6,6 +6,7 @@
 
 #include "render/passes/compute_pass.h"
 #include "shaders/occluders.comp.h"
+#include "shaders/mapshadows.comp.h"
 #include "shaders/places.comp.h"
 #include "shaders/prune.comp.h"
 #include "shaders/shadows.comp.h"
@@ -13,32 +14,36 @@
 namespace footlight::render {
 namespace {
 
+// The steps in their order; those that are not needed are not there.
+struct ShadowSteps {
+  std::optional<BoundPipeline> bodies;
+  std::optional<BoundPipeline> maps;  // or count, write and prune
+  std::optional<BoundPipeline> count;
+  std::optional<BoundPipeline> places;
+  std::optional<BoundPipeline> write;
+  std::optional<BoundPipeline> prune;
+};
+
 class ShadowsPass final : public Pass {
  public:
-  ShadowsPass(std::optional<BoundPipeline> bodies, BoundPipeline count, BoundPipeline places, BoundPipeline write,
-              BoundPipeline prune, const RigTables& rig)
-      : bodies_(std::move(bodies)),
-        count_(std::move(count)),
-        places_(std::move(places)),
-        write_(std::move(write)),
-        prune_(std::move(prune)),
-        rig_(rig) {}
+  ShadowsPass(ShadowSteps steps, const RigTables& rig) : steps_(std::move(steps)), rig_(rig) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte>) override {
-    if (bodies_ && rig_.slot_count > 0) {
-      bodies_->bind(commands);
+    if (steps_.bodies && rig_.slot_count > 0) {
+      steps_.bodies->bind(commands);
       const std::uint32_t boxes = rig_.slot_count * FL_BODY_BOXES;
       vkCmdDispatch(commands, groups_of(boxes, FL_GROUP_HEADS), 1, 1);
       vk::full_barrier(commands);
     }
-    each_beam(commands, count_);
+    each_beam(commands, steps_.maps ? *steps_.maps : *steps_.count);
     vk::full_barrier(commands);
-    places_.bind(commands);
+    steps_.places->bind(commands);
     vkCmdDispatch(commands, 1, 1, 1);
+    if (steps_.maps) return;
     vk::full_barrier(commands);
-    each_beam(commands, write_);
+    each_beam(commands, *steps_.write);
     vk::full_barrier(commands);
-    each_beam(commands, prune_);
+    each_beam(commands, *steps_.prune);
   }
 
  private:
@@ -47,11 +52,7 @@ class ShadowsPass final : public Pass {
     vkCmdDispatchIndirect(commands, rig_.counts.handle, offsetof(CountsRow, shadow_groups));
   }
 
-  std::optional<BoundPipeline> bodies_;
-  BoundPipeline count_;
-  BoundPipeline places_;
-  BoundPipeline write_;
-  BoundPipeline prune_;
+  ShadowSteps steps_;
   const RigTables& rig_;
 };
 
@@ -62,24 +63,28 @@ const PassEntry kShadowsPass{
     has_shadows,
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
       return std::vector<vk::SpecConstant>{{FL_SPEC_RECTANGLE, needs.rectangle},
-                                           {FL_SPEC_BODIES, has_bodies(needs, settings)}};
+                                           {FL_SPEC_BODIES, has_bodies(needs, settings)},
+                                           {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)}};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
-      std::optional<BoundPipeline> bodies;
+      ShadowSteps steps;
       if (context.resources.rig.has_bodies && context.settings.bodies) {
-        FL_ASSIGN(bodies, BoundPipeline::compute(context, kOccludersComp, {}));
+        FL_ASSIGN(steps.bodies, BoundPipeline::compute(context, kOccludersComp, {}));
       }
-      std::vector<vk::SpecConstant> writes = context.constants;
-      writes.push_back({FL_SPEC_WRITE, 1});
-      FL_ASSIGN(BoundPipeline count, BoundPipeline::compute(context, kShadowsComp, context.constants));
-      FL_ASSIGN(BoundPipeline places, BoundPipeline::compute(context, kPlacesComp, {}));
-      FL_ASSIGN(BoundPipeline write, BoundPipeline::compute(context, kShadowsComp, writes));
-      FL_ASSIGN(BoundPipeline prune, BoundPipeline::compute(context, kPruneComp, context.constants));
-      return std::unique_ptr<Pass>(new ShadowsPass(std::move(bodies), std::move(count), std::move(places),
-                                                   std::move(write), std::move(prune), context.resources.rig));
+      FL_ASSIGN(steps.places, BoundPipeline::compute(context, kPlacesComp, context.constants));
+      if (context.resources.rig.shadow_map_px > 0) {
+        FL_ASSIGN(steps.maps, BoundPipeline::compute(context, kMapshadowsComp, context.constants));
+      } else {
+        std::vector<vk::SpecConstant> writes = context.constants;
+        writes.push_back({FL_SPEC_WRITE, 1});
+        FL_ASSIGN(steps.count, BoundPipeline::compute(context, kShadowsComp, context.constants));
+        FL_ASSIGN(steps.write, BoundPipeline::compute(context, kShadowsComp, writes));
+        FL_ASSIGN(steps.prune, BoundPipeline::compute(context, kPruneComp, context.constants));
+      }
+      return std::unique_ptr<Pass>(new ShadowsPass(std::move(steps), context.resources.rig));
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kOccludersComp}, {kShadowsComp}, {kPlacesComp}, {kPruneComp}};
+      return std::vector<std::vector<vk::Spirv>>{{kOccludersComp}, {kShadowsComp}, {kPlacesComp}, {kPruneComp}, {kMapshadowsComp}};
     },
     "shadows of boxes and fixtures"};
 

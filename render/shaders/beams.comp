@@ -136,7 +136,7 @@ void add_beam(uint index, uint base, uint begin, Medium medium, vec3 d[FL_ROWS],
       ShadowParts parts;
       shadow_parts_clear(parts);
       if (found != 0u) {
-        parts = chord_shadows(walk_shadows_of(base, index - base, begin), shadow_chord(row, beam, chord, ray));
+        parts = chord_shadows(index, walk_shadows_of(base, index - base, begin), shadow_chord(row, beam, chord, ray));
       }
       Chord whole = chord;
       vec3 value = vec3(0.0);

@@ -10,6 +10,9 @@ layout(local_size_x = FL_GROUP_PLACES) in;
 layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) buffer ShadowListsBuffer { ShadowListRow shadow_lists[]; };
 layout(set = 0, binding = FL_BINDING_SHADOWS, std430) readonly buffer ShadowsBuffer { ShadowRow shadows[]; };
 
+layout(constant_id = FL_SPEC_MAP_PX) const uint kMapPx = 0u;
+const bool kMaps = kMapPx > 0u;
+
 shared uint sums[FL_GROUP_PLACES];
 shared uint lost[FL_GROUP_PLACES];
 
@@ -31,6 +34,7 @@ void main() {
   for (uint b = begin; b < end; ++b) {
     uint count = shadow_lists[b].count;
     uint fits = min(min(count, uint(FL_BEAM_SHADOWS_MAX)), rows - min(at, rows));
+    if (kMaps) fits = count;  // maps have no rows
     shadow_lists[b].first = min(at, rows);
     shadow_lists[b].count = fits;
     at += min(count, uint(FL_BEAM_SHADOWS_MAX));

@@ -101,10 +101,9 @@ vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m)
   if (kShadows) {
     ShadowChord ends = shadow_chord(row, beam, chord, ray);
     uint first = shadow_lists[index].first;
-    for (uint n = first; n < first + shadow_lists[index].count; ++n) {
-      float x0;
-      float x1;
-      if (shadow_part(shadow_whole(n), ends, x0, x1)) shadow_parts_add(parts, x0, x1);
+    if (kMaps) parts = map_parts(index, ends);
+    for (uint n = first; !kMaps && n < first + shadow_lists[index].count; ++n) {
+      shadow_parts_join(parts, shadow_whole(n), ends);
     }
   }
   Chord whole = chord;

@@ -73,7 +73,12 @@ uint team_ballot(bool is_one) {
 
 // Fills the team's entries. Returns their number, of which those past kTeamRoom are not kept. is_dark: the tile is all
 // in one of them, which then is the only one. All lanes of a subgroup call it together.
-uint list_team_entries(ShadowPicks picks, ShadowCell cell, out bool is_dark) {
+uint list_team_entries(uint beam, ShadowPicks picks, ShadowCell cell, out bool is_dark) {
+  if (kMaps) {
+    uint entry = picks.count > 0u ? map_in_cell(beam, cell) : FL_NONE;
+    is_dark = entry != FL_NONE && entry_planes(entry) == 0u;
+    return entry != FL_NONE ? 1u : 0u;
+  }
   uint count = 0u;
   uint dark = 0u;
   uint rounds = subgroupMax((picks.count + kTeam - 1u) / kTeam);
@@ -136,7 +141,7 @@ void store_team_entries(bool stores, uint e, uint count, ShadowPicks picks, Shad
 // The dark part of a beam's light on the ray through a place, over J0 and sigma_s; its shadows are `count` team entries
 // from `first` on. known:
 // false where the place's ray may end at another surface than those of the pixels round it.
-float dark_light(BeamRow row, BeamShape beam, uint first, uint count, RectDepth depth, Medium medium, uint nodes,
+float dark_light(uint id, BeamRow row, BeamShape beam, uint first, uint count, RectDepth depth, Medium medium, uint nodes,
                  vec2 at, inout bool known) {
 #ifdef FL_HAZE_FIELD
   haze_begin(at);
@@ -152,7 +157,8 @@ float dark_light(BeamRow row, BeamShape beam, uint first, uint count, RectDepth 
   ShadowParts parts;
   shadow_parts_clear(parts);
   ShadowChord ends = shadow_chord(row, beam, chord, ray);
-  for (uint k = first; k < first + count; ++k) shadow_parts_join(parts, team_entries[k], ends);
+  if (kMaps && count > 0u) parts = map_parts(id, ends);
+  for (uint k = first; !kMaps && k < first + count; ++k) shadow_parts_join(parts, team_entries[k], ends);
   float value = 0.0;
   float from = 0.0;
   float to = 0.0;
@@ -217,7 +223,7 @@ void main() {
       bool is_taken = (fine_masks[mask_word(id >> 5)] >> (id & 31u) & 1u) == 0u;
       bool is_dark;
       ShadowCell cell_of = shadow_cell_before(row, low, high, depth);
-      uint count = list_team_entries(picks, cell_of, is_dark);
+      uint count = list_team_entries(id, picks, cell_of, is_dark);
       bool fits = count <= kTeamRoom;
       uint first_entry = team_number() * kTeamRoom;
       uint tried = is_taken && fits ? count : 0u;
@@ -227,7 +233,7 @@ void main() {
       float most = 0.0;
       FL_LANE_NODES(k) {
         vec2 at = middle + FL_HULL * kHalf * node_position(k);
-        dark[k] = dark_light(row, beam, first_entry, tried, depth, medium, nodes, at, known);
+        dark[k] = dark_light(id, row, beam, first_entry, tried, depth, medium, nodes, at, known);
         f[k] = dark[k];
         most = max(most, dark[k]);
       }
@@ -240,8 +246,8 @@ void main() {
       off = team_sum(vec2(off, 0.0)).x;
       FL_LANE_NODES(k) {
         vec2 at = check_position(k);
-        float there = dark_light(row, beam, first_entry, tried, depth, medium, nodes, middle + FL_HULL * kHalf * at,
-                                 known);
+        float there = dark_light(id, row, beam, first_entry, tried, depth, medium, nodes,
+                                 middle + FL_HULL * kHalf * at, known);
         most = max(most, there);
         off = max(off, abs(there - polynomial(f, at)));
       }
@@ -255,7 +261,7 @@ void main() {
         FL_LANE_NODES(k) light_here[k] -= dark[k] * row.j0.rgb;
         any = true;
       }
-      store_team_entries(stores, entry, count, picks, cell_of);
+      if (!kMaps) store_team_entries(stores, entry, count, picks, cell_of);
       if (team_lane() == 0u) {
         if (stores) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
         if (leaves) atomicOr(dark_bits[id / 32u - first], 1u << (id & 31u));
@@ -264,7 +270,7 @@ void main() {
     barrier();
     if (first + number < from) {
       uint rest = rest_bits[number];
-      uint place = rest != 0u ? take_words(bitCount(rest)) : FL_NONE;
+      uint place = rest != 0u && !kMaps ? take_words(bitCount(rest)) : FL_NONE;
       word_places[number] = place;
       uint word = mask_word(first + number);
       shade_words[word] = ShadowWordRow(rest, place);

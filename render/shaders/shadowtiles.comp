@@ -151,13 +151,14 @@ void main() {
     barrier();
     for (uint e = number; e < list_count; e += uint(FL_GROUP_TILE)) {
       ShadowListRow list = shadow_lists[list_ids[e]];
-      if (list.count == 0u || list.count > kFewShadows) continue;
-      uint place;
-      uint found = list_few_shadows(list, shadow_cell_before(beams[list_ids[e]], low, high, depth), place);
+      if (list.count == 0u || (!kMaps && list.count > kFewShadows)) continue;
+      uint place = FL_NONE;
+      ShadowCell cell = shadow_cell_before(beams[list_ids[e]], low, high, depth);
+      uint found = kMaps ? found_in(map_in_cell(list_ids[e], cell)) : list_few_shadows(list, cell, place);
       store_found(e, first, found, place);
     }
     barrier();  // the threads of a subgroup are together again
-    for (uint e = gl_SubgroupID; e < list_count; e += gl_NumSubgroups) {
+    for (uint e = kMaps ? list_count : gl_SubgroupID; e < list_count; e += gl_NumSubgroups) {
       ShadowListRow list = shadow_lists[list_ids[e]];
       if (list.count <= kFewShadows) continue;
       uint place = FL_NONE;
@@ -171,7 +172,7 @@ void main() {
     barrier();
     if (first + number < from) {
       uint some = some_bits[number];
-      uint place = some != 0u ? take_words(bitCount(some)) : FL_NONE;
+      uint place = some != 0u && !kMaps ? take_words(bitCount(some)) : FL_NONE;
       uint word = supertile * params.mask_words + first + number;
       shadow_words[word] = ShadowWordRow(some, place);
       word_places[number] = place;

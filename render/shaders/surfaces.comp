@@ -35,6 +35,8 @@ layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
 #include "render/shaders/lib/surface_class.glsl"
 #define FL_SHADED(beam, index, p, aside, fixture) is_shaded(index, (beam).number, p, aside, fixture)
 bool is_shaded(uint index, uint number, vec3 p, vec3 aside, uint fixture);
+#define FL_MAP_LIT(beam, index, row, p) lit_share(index, (beam).number, row, p)
+float lit_share(uint index, uint number, BeamRow row, vec3 p);
 #include "render/shaders/lib/surface_light.glsl"
 #include "render/shaders/lib/bounce.glsl"
 
@@ -67,8 +69,8 @@ vec3 illuminance_lx[kRows];  // of the thread's pixels
 bool has_others;  // the thread's block has pixels that do not show the plane
 
 // Adds a plain beam to the thread's pixels. off_plane: only to those that do not show the tile's plane. facing:
-// plain_facing() of that plane.
-void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facing) {
+// plain_facing() of that plane. has_shade: its map may hide some of its light.
+void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facing, bool has_shade) {
   BeamRow row = beams[index];
   float facing[kRows];
   [[unroll]] for (int i = 0; i < int(kRows); ++i) facing[i] = plane_facing;
@@ -80,7 +82,9 @@ void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facin
     }
   }
   [[unroll]] for (int i = 0; i < int(kRows); ++i) {
-    illuminance_lx[i] += row.j0.rgb * plain_illuminance(row, medium, offset_m[i], facing[i]);
+    float light = plain_illuminance(row, medium, offset_m[i], facing[i]);
+    if (kMaps && has_shade) light *= map_lit(index, row, row.eye.xyz + to_light(row, offset_m[i]));
+    illuminance_lx[i] += row.j0.rgb * light;
   }
 }
 
@@ -94,6 +98,11 @@ bool is_shaded(uint index, uint number, vec3 p, vec3 aside, uint fixture) {
   bool dark = false;
   for (uint k = 0u; k < count && !dark; ++k) dark = is_in_shadow(shaded[first + k], p, aside, fixture, rounding_m);
   return dark;
+}
+
+// Share of a beam's light that its shadow map lets through.
+float lit_share(uint index, uint number, BeamRow row, vec3 p) {
+  return shaded_count[number] > 0u ? map_lit(index, row, p) : 1.0;
 }
 
 // Adds a beam that is not plain, or that may be widened, or that has shadows in the tile. number: in the batch.
@@ -157,6 +166,20 @@ bool reaches_tile(uint shadow, BeamRow row, vec4 plane) {
 
 // Lists the shadows of `count` beams of the list from `at` on. Subgroups take beams in turn, threads their shadows.
 void list_shaded(uint at, uint count, vec4 plane) {
+  if (kMaps) {
+    for (uint b = thread_number(); b < count; b += kGroup) {
+      uint beam = list_ids[at + b];
+      bool reaches = false;
+      for (uint i = 2u * FL_BLOCKS; i < 2u * FL_BLOCKS + 2u && !reaches && shadow_lists[beam].count > 0u; ++i) {
+        BeamRow row = beams[beam];
+        vec3 center = row.eye.xyz + to_light(row, spheres[i].xyz);
+        float radius_m = spheres[i].w * beam_stretch(row.squeeze);
+        if (spheres[i].w >= 0.0) reaches = map_hides_in_sphere(beam, row, center, radius_m);
+      }
+      shaded_count[b] = reaches ? 1u : 0u;
+    }
+    return;
+  }
   if (thread_number() == 0u) shaded_used = 0u;
   barrier();
   for (uint b = gl_SubgroupID; b < count; b += gl_NumSubgroups) {
@@ -231,7 +254,7 @@ void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
     }
     if (quarter == 0u) {
       plane_facing[b] = facing;
-      if (is_shaped || has_shade) atomicOr(shaped_bits[word], bit);
+      if (is_shaped || (has_shade && !kMaps)) atomicOr(shaped_bits[word], bit);
     }
     bool lights = has_nodes && plain && !has_shade && light_at_node(row, kCorner[quarter], medium, facing) > 0.0;
     if (!lights) atomicAnd(cover_bits[word], ~bit);
@@ -324,7 +347,8 @@ void main() {
         // Two loops, since lavapipe runs both sides of a branch.
         for (uint bits = rest & ~shaped_bits[w]; bits != 0u; bits &= bits - 1u) {
           uint b = uint(findLSB(bits));
-          add_plain_beam(list_ids[at + w * 32u + b], medium, (smooth_ones >> b & 1u) != 0u, plane_facing[w * 32u + b]);
+          add_plain_beam(list_ids[at + w * 32u + b], medium, (smooth_ones >> b & 1u) != 0u, plane_facing[w * 32u + b],
+                         kMaps && shaded_count[w * 32u + b] > 0u);
         }
         for (uint bits = rest & shaped_bits[w]; bits != 0u; bits &= bits - 1u) {
           uint b = uint(findLSB(bits));

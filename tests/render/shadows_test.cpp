@@ -72,6 +72,28 @@ TEST_CASE("boxes hide light in the air and on surfaces as the judge's traced pat
   CHECK(lit.rel_l2 > 0.05);
 }
 
+TEST_CASE("shadow maps come nearer to the judge with more texels, in the air and on surfaces") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = cluttered_scene(3, 16, 2);
+  FrameSettings settings = judged_settings(96, 54);
+  settings.nodes = 5;
+  const JudgedImage judge = judged(scene, 96, 54);
+  double before = 1;
+  for (const std::uint32_t px : {16u, 64u, 256u}) {
+    settings.shadow_map_px = px;
+    const auto frame = make_frame(vulkan.device(), scene, settings);
+    const PictureNorms norms = picture_norms(draw(*frame, scene).rgb, judge.rgb);
+    std::fprintf(stderr, "maps of %u: relL2 %.3g, p99 %.3g, max %.3g\n", px, norms.rel_l2, norms.p99, norms.max);
+    CHECK(norms.nonfinite == 0);
+    CHECK(norms.rel_l2 < 0.7 * before);
+    before = norms.rel_l2;
+    CHECK(must(frame->read_counts()).shadows >= 32);
+    CHECK(must(frame->read_counts()).shadows_lost == 0);
+  }
+  CHECK(before < 1e-2);
+}
+
 TEST_CASE("whatever shapes a beam, its light behind a box is dark as the judge computes it") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

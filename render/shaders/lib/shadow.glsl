@@ -1,6 +1,9 @@
 // The shadows in a beam: which of them can reach a rectangle of pixels, and whether a place is in one. After beam.h,
 // shadow.h and tile_test.glsl.
 layout(constant_id = FL_SPEC_SHADOWS) const bool kShadows = false;
+// Whether shadow maps stand for the shadows (shadow_map.glsl): then there are no rows of them, and no lists.
+layout(constant_id = FL_SPEC_MAP_PX) const uint kMapPx = 0u;
+const bool kMaps = kMapPx > 0u;
 layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) readonly buffer ShadowListsBuffer {
   ShadowListRow shadow_lists[];
 };
@@ -44,6 +47,7 @@ struct ShadowCell {
   float end_m[4];  // of the corners: a plane that all pixels show; far_m where they show none
   vec2 z_m;        // what is visible of the beam lies between these places of its axis
   vec2 w_m;        // its radii there
+  vec2 radius;     // of the beam: at the lens, m, and its growth a metre
   bool is_thin;    // places are brought back into the beam (thin.glsl): the corners do not bound them
 };
 // When the ends of the cell are known.
@@ -81,6 +85,7 @@ ShadowCell shadow_cell(BeamRow row, vec2 low, vec2 high, float far_m) {
   cell.corner[3] = to_light(row, ray_through(vec2(low.x, high.y)));
   cell.near_m = 0.0;
   cell.far_m = far_m;
+  cell.radius = vec2(row.x_axis.w, row.y_axis.w);
   BeamShape beam = beam_bound(row, 1.0);
   float way[4];
   // In front of the lens, and within the range.
@@ -243,3 +248,4 @@ void shadow_parts_join(inout ShadowParts parts, uint entry, ShadowChord ends) {
   float x1;
   if (shadow_part(entry, ends, x0, x1)) shadow_parts_add(parts, x0, x1);
 }
+#include "render/shaders/lib/shadow_map.glsl"

@@ -26,6 +26,7 @@ uint list_place(ShadowWordRow word, uint beam, bool all) {
 ShadowPicks shadow_picks_of(uint supertile, uint beam) {
   ShadowWordRow word = shadow_words[supertile * params.mask_words + (beam >> 5)];
   if (!is_in_word(word, beam)) return ShadowPicks(0u, 0u, false);
+  if (kMaps) return ShadowPicks(1u, 0u, false);  // the map is one
   uint place = list_place(word, beam, shadow_words_used <= uint(shadow_picks.length()));
   if (place == FL_NONE) return ShadowPicks(shadow_lists[beam].count, shadow_lists[beam].first, false);
   return ShadowPicks(shadow_picks[place], place + 1u, true);
@@ -43,6 +44,7 @@ bool has_shadows(uint supertile, uint beam) {
 // Whether a place in the haze that the supertile shows is in one of the beam's shadows there; light space, m.
 bool is_in_picked(uint supertile, uint beam, vec3 p) {
   ShadowPicks picks = shadow_picks_of(supertile, beam);
+  if (kMaps) return picks.count > 0u && map_hides_place(beam, beams[beam], p);
   bool dark = false;
   for (uint k = 0u; k < picks.count && !dark; ++k) {
     uint entry = shadow_picked(picks, k);

@@ -94,7 +94,8 @@ void walk_store(uint base, uint number, uint found, bool dark) {
 uint walk_test_pair(uint beam, uint k, RectDepth depth) {
   vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
   vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
-  return shadow_in_cell(shadow_picked(picks_here(beam), k), shadow_cell_before(beams[beam], low, high, depth));
+  ShadowCell cell = shadow_cell_before(beams[beam], low, high, depth);
+  return kMaps ? map_in_cell(beam, cell) : shadow_in_cell(shadow_picked(picks_here(beam), k), cell);
 }
 
 // A beam with more pairs than have room. Its entries begin at 0.
@@ -178,7 +179,8 @@ uint walk_shadow(WalkShadows from, uint k) {
   return from.tested ? walk_entries[from.first + k] : shadow_picked(from.picks, k);
 }
 
-ShadowParts chord_shadows(WalkShadows from, ShadowChord ends) {
+ShadowParts chord_shadows(uint beam, WalkShadows from, ShadowChord ends) {
+  if (kMaps) return map_parts(beam, ends);
   ShadowParts parts;
   shadow_parts_clear(parts);
   for (uint k = 0u; k < from.count; ++k) shadow_parts_join(parts, walk_shadow(from, k), ends);

@@ -121,7 +121,9 @@
 #define FL_BINDING_DISPLAY_LEVELS (90 + FL_LAMP_COUNT)
 #define FL_BINDING_DISPLAY_CELLS (91 + FL_LAMP_COUNT)
 #define FL_BINDING_DISPLAY_JOBS (92 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (93 + FL_LAMP_COUNT)
+// Shadow maps (lib/shadow_map.glsl), one a beam: FL_MAP_CELLS x FL_MAP_CELLS words of cells, then the texels.
+#define FL_BINDING_BEAM_MAPS (93 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (94 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -174,7 +176,8 @@
 #define FL_SPEC_LASER (45 + FL_LAMP_COUNT)
 #define FL_SPEC_AIR (46 + FL_LAMP_COUNT)  // light in the air is drawn
 #define FL_SPEC_DETAIL (47 + FL_LAMP_COUNT)  // images of panes and displays as fine as pixels, not whole
-#define FL_SPEC_COUNT (48 + FL_LAMP_COUNT)
+#define FL_SPEC_MAP_PX (48 + FL_LAMP_COUNT)  // texels a side of shadow maps; 0: shadows are cut exactly
+#define FL_SPEC_COUNT (49 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -244,6 +247,9 @@
 #define FL_GROUP_SHADOWS 64 // threads of a workgroup that finds the shadows in a beam
 #define FL_GROUP_PLACES 256 // threads of the workgroup that gives them their places
 #define FL_BEAM_SHADOWS_MAX 4096  // in one beam
+#define FL_MAP_CELLS 8      // a side of a shadow map: cells with the nearest and the farthest of their texels
+#define FL_MAP_BYTES_MAX 536870912  // of all shadow maps
+#define FL_GROUP_BEAM_MAPS 256   // threads of a workgroup that draws a shadow map
 #define FL_SHADOWS_X 32768  // workgroups side by side, one a beam
 #define FL_GROUP_HAZE 64    // rays a workgroup
 // The table of haze that is not even: rays across and down, and values of each.

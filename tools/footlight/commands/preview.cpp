@@ -55,8 +55,7 @@ void add(Arguments& arguments) {
   arguments.option("--edges", *edges, "WORD",
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges; "
                    "default: 16 on a GPU, 4 on a CPU");
-  arguments.option("--shadows", *shadows, "WORD",
-                   "on; off: beams pass through boxes and fixtures, what they reflect does not [on]");
+  arguments.option("--shadows", *shadows, "WORD", kShadowsHelp);
   arguments.option("--bounce", *bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
   add_camera_arguments(arguments, *camera_words);
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
@@ -68,7 +67,7 @@ void add(Arguments& arguments) {
     if (!edges->empty()) {
       FL_ASSIGN(options->edge_samples, parse_edges(*edges));
     }
-    FL_ASSIGN(options->shadows, parse_shadows(*shadows));
+    FL_TRY(take_shadows(*shadows, options->display));
     FL_ASSIGN(options->bounce, parse_bounce(*bounce));
     FL_TRY(take_camera_words(*camera_words, options->display));
     FL_ASSIGN(options->flashes, flash_mode_of(*flashes));

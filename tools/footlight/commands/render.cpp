@@ -450,7 +450,7 @@ Result<int> render_pictures(const Options& options) {
   if (!options.edges.empty()) {
     FL_ASSIGN(settings.edge_samples, parse_edges(options.edges));
   }
-  FL_ASSIGN(settings.shadows, parse_shadows(options.shadows));
+  FL_TRY(take_shadows(options.shadows, settings));
   FL_ASSIGN(settings.bounce, parse_bounce(options.bounce));
   FL_TRY(take_camera_words(options.camera_words, settings));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
@@ -559,8 +559,7 @@ void add(Arguments& arguments) {
   arguments.option("--edges", options->edges, "WORD",
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges; "
                    "default: 16 on a GPU, 4 on a CPU");
-  arguments.option("--shadows", options->shadows, "WORD",
-                   "on; off: beams pass through boxes and fixtures, what they reflect does not [on]");
+  arguments.option("--shadows", options->shadows, "WORD", kShadowsHelp);
   arguments.option("--bounce", options->bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
   add_camera_arguments(arguments, options->camera_words);
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");

@@ -42,7 +42,18 @@ Result<bool> parse_switch(const char* option, const std::string& text) {
 
 }  // namespace
 
-Result<bool> parse_shadows(const std::string& text) { return parse_switch("--shadows", text); }
+Status take_shadows(const std::string& text, render::FrameSettings& settings) {
+  settings.shadows = text != "off";
+  settings.shadow_map_px = text == "exact" ? 0 : text == "maps" ? render::kMapUsualPx : render::kShadowsSuited;
+  if (text == "on" || text == "off" || text == "exact" || text == "maps") return {};
+  for (std::uint32_t px = render::kMapLeastPx; px <= render::kMapMostPx; px *= 2) {
+    settings.shadow_map_px = px;
+    if (text == fmt::format("maps:{}", px)) return {};
+  }
+  return fail(ErrorCode::kBadInput,
+              "--shadows {}: expected on, off, exact, maps, or maps:N of 16, 32, 64, 128 or 256 texels a side",
+              printable_utf8(text));
+}
 
 Result<bool> parse_bounce(const std::string& text) { return parse_switch("--bounce", text); }
 

@@ -12,8 +12,12 @@ namespace footlight::tools {
 
 // FrameSettings::edge_samples of "off", "4", "8" or "16".
 [[nodiscard]] Result<std::uint32_t> parse_edges(const std::string& text);
-// FrameSettings::shadows of "on" or "off".
-[[nodiscard]] Result<bool> parse_shadows(const std::string& text);
+// FrameSettings::shadows and shadow_map_px of "on", "off", "exact", "maps" or "maps:N".
+Status take_shadows(const std::string& text, render::FrameSettings& settings);
+inline constexpr const char* kShadowsHelp =
+    "exact: cut at the edges of what hides light; maps or maps:N: by shadow maps of 64 or N texels a side, whose time "
+    "does not grow with the number of things; on: as suits the rig; off: beams pass through boxes and fixtures, what "
+    "they reflect does not [on]";
 // FrameSettings::bounce of "on" or "off".
 [[nodiscard]] Result<bool> parse_bounce(const std::string& text);
 // FrameSettings::glare of "off", "1%" or "0.01".

@@ -32,9 +32,8 @@ struct PreviewOptions {
   double tile_error = 4e-3;                   // render::FrameSettings
   double body_error_px = 0.5;                 // the same
   std::optional<std::uint32_t> edge_samples;  // default: render::suited_edge_samples()
-  bool shadows = true;
   bool bounce = true;
-  render::FrameSettings display;  // of which glare, white balance, tone curve and automatic exposure
+  render::FrameSettings display;  // of which glare, white balance, tone curve, automatic exposure, and shadows
   FlashMode flashes = FlashMode::kWarn;
   bool recover = false;  // opens the newest edits of the rig that a session lost
   bool json = false;

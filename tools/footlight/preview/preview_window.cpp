@@ -255,7 +255,8 @@ render::FrameSettings Preview::frame_settings(const PixelRect& where) const {
   settings = render::with_knobs(settings, knobs_);
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
   settings.edge_samples = options_.edge_samples.value_or(render::suited_edge_samples(*device_));
-  settings.shadows = options_.shadows;
+  settings.shadows = options_.display.shadows;
+  settings.shadow_map_px = options_.display.shadow_map_px;
   settings.bounce = options_.bounce;
   take_display(controls_, settings);
   settings.haze = controls_.haze;

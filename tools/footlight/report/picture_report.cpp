@@ -301,6 +301,11 @@ std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::
   if (render::has_shadows(needs, settings)) {
     settings.shadows = false;
     knobs.push_back({"no shadows", settings.tile_error, settings});
+    settings.shadows = true;
+    for (const std::uint32_t px : {32u, 64u, 128u, 256u}) {
+      settings.shadow_map_px = px;
+      knobs.push_back({"cut shadow maps", static_cast<double>(px), settings});
+    }
   }
   for (const Rival& rival : rivals()) {
     if (rival.of_shadows && !render::has_shadows(needs, judged_settings(options))) continue;
@@ -319,6 +324,8 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
   whole.width = options.width;
   whole.height = options.height;
   whole.body_error_px = options.body_error_px;
+  whole.shadows = options.shadows;
+  whole.shadow_map_px = options.shadow_map_px;
   FL_ASSIGN(auto frame, make_frame(device, scene, whole));
   std::vector<std::vector<double>> pass_ms;
   std::vector<PassTime> first;

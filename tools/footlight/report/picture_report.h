@@ -35,6 +35,8 @@ struct PictureReportOptions {
   std::vector<std::uint32_t> march_steps{8, 16, 32, 64, 128, 256};
   std::vector<std::uint32_t> gobo_taps{8, 16, 32, 64, 128};  // with the default nodes; for rigs with gobos only
   double body_error_px = 0.5;                                // FrameSettings::body_error_px, of the whole frame
+  bool shadows = true;                                       // the same two, of the whole frame
+  std::uint32_t shadow_map_px = render::kShadowsSuited;
   std::optional<render::Knobs> chosen;                       // a row of its own, "chosen", the first one
   bool judge = true;                                         // false: only times are measured
   bool rivals = false;                                       // rows of the methods of render/rivals

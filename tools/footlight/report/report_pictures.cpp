@@ -20,6 +20,7 @@
 #include "tools/footlight/pictures/start_view.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/hand_levels.h"
+#include "tools/footlight/pictures/frame_options.h"
 #include "tools/footlight/report/chosen_knobs.h"
 #include "tools/footlight/report/left_out.h"
 #include "tools/footlight/report/picture_report.h"
@@ -47,6 +48,8 @@ struct PictureArguments {
   std::string device;
   int runs = 11;
   double body_error_px = render::FrameSettings{}.body_error_px;
+  std::string shadow_words = "on";
+  render::FrameSettings shadows;  // of which the shadows of the whole frame
   std::string error;  // "0.1%"
   std::string ms;
   bool no_judge = false;
@@ -279,6 +282,8 @@ PictureReportOptions options_of(const PictureArguments& arguments, const Picture
   pictures.judge_pixels = arguments.judge_pixels;
   pictures.runs = arguments.runs;
   pictures.body_error_px = arguments.body_error_px;
+  pictures.shadows = arguments.shadows.shadows;
+  pictures.shadow_map_px = arguments.shadows.shadow_map_px;
   pictures.judge = !arguments.no_judge;
   pictures.rivals = arguments.rivals;
   pictures.quick = options.quick;
@@ -352,7 +357,9 @@ void print_figures(const PictureArguments& arguments, const ReportOptions& optio
   }
 }
 
-Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
+Status report_pictures(const PictureArguments& words, const ReportOptions& options) {
+  PictureArguments arguments = words;
+  FL_TRY(take_shadows(arguments.shadow_words, arguments.shadows));
   FL_ASSIGN(const render::QualityRequest request, render::parse_quality(arguments.error, arguments.ms));
   if ((request.error > 0 || request.ms > 0) && (arguments.fleet > 0 || !arguments.sweep.empty())) {
     return fail(ErrorCode::kBadInput, "{} chooses settings for one scene; use it without --sweep and --fleet",
@@ -469,6 +476,7 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.option("--runs", chosen->runs, 3, 1000, "timed frames per row");
   arguments.option("--body-error", chosen->body_error_px, 0, 1000,
                    "error of fixture bodies in pixels, in the whole frame; 0: whole models");
+  arguments.option("--shadows", chosen->shadow_words, "WORD", "of the whole frame; " + std::string(kShadowsHelp));
   arguments.option("--error", chosen->error, "SHARE", "choose the knobs for this error, as in 0.1%, and measure them");
   arguments.option("--ms", chosen->ms, "MS", "choose the knobs for this GPU time of a frame, and measure them");
   arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this text");

@@ -1,0 +1,165 @@
+#version 460
+// Draws the shadow map of a beam (lib/shadow_map.glsl), a workgroup a beam. Bodies that may hide its light are gathered
+// some hundred at a time; each thread keeps what its block of texels meets first. The smallest distance does not depend
+// on their order.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#define FL_USE_BEAMS
+#define FL_BEAMS_ACCESS readonly
+#define FL_USE_COUNTS
+#define FL_COUNTS_ACCESS readonly
+#define FL_USE_HEADS
+#define FL_STATES_ACCESS readonly
+#include "render/shaders/lib/frame.glsl"
+#include "render/shaders/lib/forms.glsl"
+#include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/shadow.h"
+#include "render/shaders/lib/tile_test.glsl"
+
+layout(local_size_x = FL_GROUP_BEAM_MAPS) in;
+layout(constant_id = FL_SPEC_MAP_PX) const uint kMapPx = 64u;
+// Whether anything beside the stage boxes, which come first, hides light.
+layout(constant_id = FL_SPEC_BODIES) const bool kBodies = false;
+#include "render/shaders/lib/solid.glsl"
+layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) writeonly buffer ShadowListsBuffer {
+  ShadowListRow shadow_lists[];
+};
+layout(set = 0, binding = FL_BINDING_BEAM_MAPS, std430) writeonly buffer ShadowMapsBuffer { uint shadow_maps[]; };
+
+const uint kThreads = uint(FL_GROUP_BEAM_MAPS);
+const uint kMapCells = uint(FL_MAP_CELLS);
+const uint kMapWords = kMapPx * kMapPx + kMapCells * kMapCells;
+// Threads have blocks side by side, 16 x 16 of them at a time.
+const uint kSide = 16u;
+const uint kBlock = kMapPx < 4u * kSide ? kMapPx / kSide : 4u;  // texels a side
+const uint kRegion = kSide * kBlock;
+#define kTexel (2.0 / float(kMapPx))  // of rho
+const float kNone = 65504.0;  // the largest half float
+
+// A body in the beam: it is where |dual[i] . place + offset| <= 1 for all i, and its texels are within a rectangle.
+struct MapSolid {
+  vec4 dual[3];
+  vec4 rect;  // of rho: least x, y, most x, y
+};
+shared MapSolid solids[kThreads];
+shared uint solid_count;
+shared uint nearest_bits[FL_MAP_CELLS * FL_MAP_CELLS];  // of half floats, which are in the order of their bits
+shared uint farthest_bits[FL_MAP_CELLS * FL_MAP_CELLS];
+
+MapSolid map_solid(OccluderRow occluder, BeamRow row, BeamShape beam) {
+  ShadowSolid solid = solid_of(occluder, row);
+  MapSolid result;
+  [[unroll]] for (int i = 0; i < 3; ++i) {
+    // A plate has no thickness: a tenth of a millimetre stands for it.
+    vec3 n = cross(solid.half_edge[(i + 1) % 3], solid.half_edge[(i + 2) % 3]);
+    float unit = inversesqrt(max(dot(n, n), 1e-30));
+    if (dot(solid.half_edge[i], solid.half_edge[i]) < 1e-8) solid.half_edge[i] = 1e-4 * unit * n;
+  }
+  [[unroll]] for (int i = 0; i < 3; ++i) {
+    vec3 n = cross(solid.half_edge[(i + 1) % 3], solid.half_edge[(i + 2) % 3]);
+    float reach = dot(n, solid.half_edge[i]);
+    n /= abs(reach) > 1e-30 ? reach : 1e-30;
+    result.dual[i] = vec4(n, -dot(n, solid.center));
+  }
+  vec2 low = vec2(1e30);
+  vec2 high = vec2(-1e30);
+  bool is_whole = false;
+  [[unroll]] for (int corner = 0; corner < 8; ++corner) {
+    vec3 p = solid.center + ((corner & 1) != 0 ? 1.0 : -1.0) * solid.half_edge[0] +
+             ((corner & 2) != 0 ? 1.0 : -1.0) * solid.half_edge[1] +
+             ((corner & 4) != 0 ? 1.0 : -1.0) * solid.half_edge[2];
+    float w = beam.lens_radius_m + beam.spread * p.z;
+    is_whole = is_whole || !(w > 0.5 * beam.lens_radius_m);
+    vec2 rho = p.xy / max(w, 0.5 * beam.lens_radius_m);
+    low = min(low, rho);
+    high = max(high, rho);
+  }
+  result.rect = is_whole ? vec4(-2.0, -2.0, 2.0, 2.0) : vec4(low, high);
+  return result;
+}
+
+// Where light at rho is in a body: x to y along the axis; y below x: nowhere.
+vec2 inside_m(MapSolid solid, BeamShape beam, vec2 rho) {
+  vec2 part = vec2(0.0, beam.range_m);
+  [[unroll]] for (int i = 0; i < 3; ++i) {
+    float at = dot(solid.dual[i].xy, rho) * beam.lens_radius_m + solid.dual[i].w;
+    float slope = dot(solid.dual[i].xy, rho) * beam.spread + solid.dual[i].z;
+    float inverse = 1.0 / (abs(slope) > 1e-12 ? slope : 1e-12);
+    vec2 ends = (vec2(-1.0, 1.0) - at) * inverse;
+    part = vec2(max(part.x, min(ends.x, ends.y)), min(part.y, max(ends.x, ends.y)));
+  }
+  return part;
+}
+
+void main() {
+  uint lane = gl_LocalInvocationIndex;
+  uint beam_index = gl_WorkGroupID.y * uint(FL_SHADOWS_X) + gl_WorkGroupID.x;
+  if (beam_index >= counts.live_count) return;
+  BeamRow row = beams[beam_index];
+  BeamShape beam = beam_shape(row);
+  uint fixture = heads[row.head].fixture;
+  uint all = uint(occluders.length());
+  if (!kBodies) all = min(all, params.box_count);
+  if (lane < kMapCells * kMapCells) {
+    nearest_bits[lane] = packHalf2x16(vec2(kNone, 0.0));
+    farthest_bits[lane] = 0u;
+  }
+  uvec2 thread_at = uvec2(lane % kSide, lane / kSide);
+  uint found_all = 0u;
+  for (uint region = 0u; region < (kMapPx / kRegion) * (kMapPx / kRegion); ++region) {
+    uvec2 block = kRegion * uvec2(region % (kMapPx / kRegion), region / (kMapPx / kRegion)) + kBlock * thread_at;
+    vec2 block_rho = (vec2(block) + 0.5) * kTexel - 1.0;  // of its first texel
+    vec2 block_end = block_rho + float(kBlock - 1u) * kTexel;
+    float met[16];
+    float passed[16];
+    [[unroll]] for (int t = 0; t < 16; ++t) {
+      met[t] = kNone;
+      passed[t] = kNone;
+    }
+    found_all = 0u;
+    for (uint base = 0u; base < all; base += kThreads) {
+      barrier();  // the solids have been read
+      if (lane == 0u) solid_count = 0u;
+      barrier();
+      if (base + lane < all && may_hide(occluders[base + lane], row, beam, fixture)) {
+        uint slot = atomicAdd(solid_count, 1u);
+        solids[slot] = map_solid(occluders[base + lane], row, beam);
+      }
+      barrier();
+      uint count = solid_count;
+      found_all += count;
+      for (uint s = 0u; s < count; ++s) {
+        vec4 rect = solids[s].rect;
+        if (any(greaterThan(rect.xy, block_end)) || any(lessThan(rect.zw, block_rho))) continue;
+        MapSolid solid = solids[s];
+        [[unroll]] for (int t = 0; t < 16; ++t) {
+          vec2 rho = block_rho + kTexel * vec2(float(t & 3), float(t >> 2));
+          vec2 part = inside_m(solid, beam, rho);
+          bool hits = part.y > max(part.x, 1e-4) && part.x < part.y;
+          met[t] = hits ? min(met[t], part.x) : met[t];
+          passed[t] = hits ? min(passed[t], part.y) : passed[t];
+        }
+      }
+    }
+    [[unroll]] for (int t = 0; t < 16; ++t) {
+      uvec2 at = uvec2(uint(t) & 3u, uint(t) >> 2);
+      if (at.x >= kBlock || at.y >= kBlock) continue;
+      uvec2 texel = block + at;
+      // What is nearer than half floats tell apart counts as at the lens.
+      uint word = packHalf2x16(min(vec2(met[t], passed[t]), kNone));
+      shadow_maps[beam_index * kMapWords + kMapCells * kMapCells + texel.y * kMapPx + texel.x] = word;
+      vec2 rho = block_rho + kTexel * vec2(at);
+      if (length(rho) > 1.0 + 0.75 * kTexel) continue;  // no light of the beam is there
+      uvec2 cell = texel / max(kMapPx / kMapCells, 1u);
+      atomicMin(nearest_bits[cell.y * kMapCells + cell.x], word & 0xffffu);
+      atomicMax(farthest_bits[cell.y * kMapCells + cell.x], word & 0xffffu);
+    }
+  }
+  barrier();
+  if (lane < kMapCells * kMapCells) {
+    // Cells without light: neither lit nor dark.
+    shadow_maps[beam_index * kMapWords + lane] = nearest_bits[lane] | farthest_bits[lane] << 16;
+  }
+  if (lane == 0u) shadow_lists[beam_index] = ShadowListRow(0u, found_all);
+}
