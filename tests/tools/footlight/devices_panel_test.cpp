@@ -49,6 +49,7 @@ class Ui {
     input.status = status;
     input.now_ns = now_ns += kNsPerS / 60;
     input.outputs = outputs;
+    input.made_up = made_up;
     ImGui::NewFrame();
     if (logs) ImGui::LogToClipboard();
     open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
@@ -100,6 +101,7 @@ class Ui {
   UiPanels open;
   std::vector<std::uint8_t> levels;
   OutputsView* outputs;
+  MadeUpView* made_up = nullptr;
   const PumpStatus* status = nullptr;
   TimeNs now_ns = kNsPerS;
   bool logs = false;
@@ -240,6 +242,87 @@ TEST_CASE("interfaces that are plugged in are listed with their fix, and a click
   CHECK(view.add == "enttec-pro:EN1=3");
   view.refusal = "enttec-pro:EN1=3: it is in the list already";
   CHECK(has(ui.words(), "in the list already"));
+}
+
+TEST_CASE("one click adds a made-up input, and another one removes it") {
+  OutputsView view;
+  MadeUpView made_up;
+  Ui ui(&view);
+  ui.made_up = &made_up;
+  CHECK(has(ui.words(), "No console at hand?"));
+  REQUIRE(ui.click_over(Ui::body(), false, [&] { return made_up.add.has_value(); }));
+  CHECK(made_up.add == "mock:chase");
+  made_up.add.reset();
+
+  made_up.inputs = {"mock:chase"};
+  const std::string words = ui.words();
+  CHECK(has(words, "MADE UP: mock:chase"));
+  CHECK(!has(words, "add chase"));  // it is there
+  CHECK(has(words, "add sine"));
+  REQUIRE(ui.click_over(Ui::body(), false, [&] { return made_up.remove.has_value(); }));
+  CHECK(made_up.remove == "mock:chase");
+}
+
+TEST_CASE("a made-up input that must not be added says why, and no click adds it") {
+  OutputsView view;
+  MadeUpView made_up;
+  made_up.why_not = "A log drives the rig; start the window without it.";
+  Ui ui(&view);
+  ui.made_up = &made_up;
+  CHECK(has(ui.words(), "A log drives the rig"));
+  CHECK(!ui.click_over(Ui::body(), false, [&] { return made_up.add.has_value(); }));
+}
+
+TEST_CASE("a made-up interface is one click away, and is called so in its row and in the question") {
+  OutputsView view;
+  view.universes = {3, 5};
+  MadeUpView made_up;
+  made_up.inputs = {"mock:sine"};
+  Ui ui(&view);
+  REQUIRE(ui.click_over(Ui::body(), false, [&] { return view.add.has_value(); }));
+  CHECK(view.add == "mock:enttec-pro=3");
+  view.rows.resize(1);
+  view.rows[0].endpoint = "mock:enttec-pro=3";
+  view.rows[0].universes = {3};
+  view.rows[0].made_up = true;
+  const std::string words = ui.words();
+  CHECK(has(words, "mock:enttec-pro=3 (made up)"));
+  CHECK(!has(words, "No interface at hand"));
+  view.rows[0].state = ArmState::kArmed;
+  CHECK(live_words(view) == "LIVE: 1 output (made up)");
+  view.rows.push_back(view.rows[0]);
+  view.rows[1].made_up = false;
+  CHECK(live_words(view) == "LIVE: 2 outputs");
+  view.rows[0].state = view.rows[1].state = ArmState::kOff;
+  ui.made_up = &made_up;
+  REQUIRE(ui.click_over(Ui::body(), false, [] { return Ui::asks(); }));
+  for (int i = 0; i < 2; ++i) ui.frame();
+  const std::string question = ui.words();
+  CHECK(has(question, "no lamp gets it"));
+  CHECK(has(question, "A made-up input moves them: mock:sine"));
+}
+
+TEST_CASE("a tag over the picture says what is made up, below the band of outputs") {
+  const testing::HeadlessImGui imgui(800, 600);
+  MadeUpView made_up;
+  // The place of what is drawn, or nothing.
+  const auto tag = [&](float y) {
+    ImGui::NewFrame();
+    draw_made_up_tag(made_up, 536, y);
+    ImRect place(1e6f, 1e6f, -1e6f, -1e6f);
+    for (const ImDrawVert& vertex : ImGui::GetForegroundDrawList()->VtxBuffer) place.Add(vertex.pos);
+    ImGui::Render();
+    return place;
+  };
+  CHECK(tag(0).Max.x < 0);
+  CHECK(made_up_words(made_up).empty());
+  made_up.inputs = {"mock:chase"};
+  CHECK(made_up_words(made_up) == "MADE UP: mock:chase");
+  CHECK(tag(30).Min.y == doctest::Approx(30));
+  CHECK(tag(30).GetCenter().x == doctest::Approx(268).epsilon(0.01));
+  CHECK(tag(30).GetWidth() > 100);
+  made_up.inputs.push_back("mock:sine");
+  CHECK(made_up_words(made_up) == "MADE UP: 2 inputs");
 }
 
 TEST_CASE("the band names what is live, and a blackout") {

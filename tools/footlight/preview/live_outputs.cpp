@@ -242,6 +242,7 @@ void LiveOutputs::follow(OutputsView& view) {
     OutputRow& row = view.rows[i];
     row.endpoint = output.plan.endpoint.text;
     row.universes = output.plan.universes;
+    row.made_up = is_made_up(output.plan.endpoint);
     row.left_out = without(output.plan.universes, sendable_);
     row.state = output.state;
     row.trouble = output.trouble;

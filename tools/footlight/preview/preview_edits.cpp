@@ -105,15 +105,13 @@ Status Preview::begin_frame(const PixelRect& where) {
 
 // For other universes. If they cannot be opened, faders drive the rig until an edit after which they can.
 void Preview::open_inputs_again(const PreviewScene& before) {
-  live_timeline_.reset();
-  live_.reset();
+  close_inputs();
   const Status opened = open_levels(true);
   if (opened) {
     hand_.reset();
     return;
   }
-  live_.reset();
-  facts_.status = {};
+  close_inputs();
   hand_ = hand_ ? moved_hand(*hand_, before, *framed_) : std::make_unique<HandLevels>(framed_->rig, framed_->compiled);
   frame_->settle_machine_air(hand_->levels());
   if (outputs_) outputs_->black_out();  // real lamps must not follow faders that nobody has set
@@ -131,10 +129,11 @@ Status Preview::take_scene(const PreviewScene& before) {
                                                   live_timeline_->now_ns());
       live_timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
       live_timeline_->hold(live_->levels());
+      follow_patterns();
     } else {  // inputs are opened for their universes; senders repeat their levels within seconds
       open_inputs_again(before);
     }
-  } else if (hand_ && !options_.ins.empty()) {
+  } else if (hand_ && !ins_.empty()) {
     open_inputs_again(before);
   } else if (hand_) {
     hand_ = moved_hand(*hand_, before, *framed_);

@@ -177,18 +177,12 @@ Status Preview::show_progress(const char* what) {
   return {};
 }
 
-// again: while it runs, when a device that is unplugged is no reason to stop.
+// again: as of open_input().
 Status Preview::open_levels(bool again) {
-  if (!options_.ins.empty()) {
+  if (!ins_.empty()) {
     std::vector<std::unique_ptr<Source>> sources;
-    for (const std::string& text : options_.ins) {
-      FL_ASSIGN(const Endpoint endpoint, parse_port(text));
-      InOptions in;
-      in.hear_preview = true;  // such frames are meant for visualisers like this one
-      in.yields = true;        // a bridge keeps its unicast frames
-      in.wait_for_device = again;
-      const std::lock_guard lock(opener_mutex_);
-      FL_ASSIGN(std::unique_ptr<Source> source, opener_.open_source(endpoint, in));
+    for (const std::string& text : ins_) {
+      FL_ASSIGN(std::unique_ptr<Source> source, open_input(text, again));
       sources.push_back(std::move(source));
     }
     FL_ASSIGN(live_, LiveLevels::start(framed_->compiled.universes, std::move(sources), clock_));

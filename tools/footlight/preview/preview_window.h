@@ -18,6 +18,7 @@
 #include "render/frame.h"
 #include "render/live_error.h"
 #include "render/quality.h"
+#include "sim/pattern.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/edit/autosave.h"
@@ -32,6 +33,7 @@
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
 #include "tools/footlight/preview/ui/keys.h"
+#include "tools/footlight/preview/ui/made_up_view.h"
 #include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/questions.h"
@@ -45,7 +47,7 @@ namespace footlight::tools {
 class Preview {
  public:
   // The options outlive this.
-  explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_) {}
+  explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_), ins_(options.ins) {}
 
   // Until the window is closed.
   Result<int> run();
@@ -83,7 +85,7 @@ class Preview {
   void give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure);
   [[nodiscard]] std::span<const std::uint8_t> panel_levels();
   [[nodiscard]] static std::optional<fixtures::VrslReplay> vrsl_replay(const PreviewScene& scene);
-  // True if neither a log nor an input drives the rig.
+  // True if neither a log nor an input drove the rig at the start.
   [[nodiscard]] bool by_hand() const {
     return options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
   }
@@ -92,6 +94,14 @@ class Preview {
   Status open_outputs(std::span<const std::string> texts);
   void drive_outputs();
   bool call_outputs(const UiCall& call);
+
+  // Inputs that come and go: preview_made_up.cpp.
+  Result<std::unique_ptr<Source>> open_input(const std::string& text, bool again);
+  void follow_patterns();
+  void follow_made_up();
+  void add_input(const std::string& text);
+  void remove_input(const std::string& text);
+  void close_inputs();
 
   // Edits of the rig: preview_edits.cpp.
   void start_edits();
@@ -144,6 +154,11 @@ class Preview {
   std::unique_ptr<LiveLevels> live_;
   std::unique_ptr<Timeline> live_timeline_;
   std::unique_ptr<HandLevels> hand_;
+  std::vector<std::string> ins_;          // endpoints of live_; with hand_: those that could not be opened
+  std::vector<PatternSource*> patterns_;  // of live_
+  MadeUpView made_up_view_;
+  std::unique_ptr<HandLevels> resting_hand_;  // from before the first made-up input, of resting_scene_
+  SharedScene resting_scene_;
 
   std::unique_ptr<LiveOutputs> outputs_;  // null: there are none
   OutputsView outputs_view_;

@@ -9,6 +9,7 @@
 #include <imgui/imgui.h>
 
 #include "sim/core/counted.h"
+#include "sim/pattern.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/status/status_text.h"
@@ -16,7 +17,8 @@
 namespace footlight::tools {
 namespace {
 
-constexpr std::size_t kAll = SIZE_MAX;  // of the question
+constexpr std::size_t kAll = SIZE_MAX;             // of the question
+constexpr const char* kModel = "mock:enttec-pro";  // of an interface, inside the program
 
 const ImVec4 kUiText{0.86f, 0.87f, 0.89f, 1};
 
@@ -65,6 +67,7 @@ class DevicesPanel final : public Panel {
   void draw(UiDesk&, const UiInput& input) override {
     ui_text(kUiAmber, "Inputs");
     draw_inputs(input);
+    if (input.made_up != nullptr) draw_made_up(*input.made_up, input.status != nullptr, input.scale);
     ImGui::Dummy({0, 4 * input.scale});
     ui_text(kUiAmber, "Outputs to real lamps");
     if (input.outputs == nullptr) return;
@@ -73,6 +76,7 @@ class DevicesPanel final : public Panel {
     ui_text(kUiAmber, "Plugged in");
     input.outputs->looks = true;
     draw_devices(*input.outputs);
+    draw_model(*input.outputs);
   }
 
  private:
@@ -127,6 +131,30 @@ class DevicesPanel final : public Panel {
     for (const PortStatus& port : input.status->ports) {
       if (!port.is_sink) draw_trouble(port, input.status->stamp_ns != 0);
     }
+  }
+
+  // Patterns instead of a console, for who has none, each with a button; and how to be rid of them.
+  static void draw_made_up(MadeUpView& view, bool any_input, float scale) {
+    const auto is_on = [&](const std::string& endpoint) {
+      return std::find(view.inputs.begin(), view.inputs.end(), endpoint) != view.inputs.end();
+    };
+    for (const std::string& endpoint : view.inputs) {
+      ImGui::PushID(endpoint.c_str());
+      ui_text(kUiAmber, fmt::format("MADE UP: {}", endpoint));
+      ImGui::SameLine();
+      if (ImGui::SmallButton("remove")) view.remove = endpoint;
+      ImGui::PopID();
+    }
+    ImGui::BeginDisabled(!view.why_not.empty());
+    ui_text(kUiDim, any_input ? "A made-up input:" : "No console at hand? A made-up input:");
+    for (const std::string_view word : kPatternWords) {
+      const std::string endpoint = fmt::format("mock:{}", word);
+      if (is_on(endpoint)) continue;
+      ImGui::SameLine(0, 8 * scale);
+      if (ImGui::SmallButton(fmt::format("add {}", word).c_str())) view.add = endpoint;
+    }
+    ImGui::EndDisabled();
+    if (!view.why_not.empty()) wrapped(kUiDim, view.why_not);
   }
 
   static void draw_input(const PortStatus& port, const UiInput& input) {
@@ -206,7 +234,7 @@ class DevicesPanel final : public Panel {
 
   void draw_output(OutputsView& outputs, std::size_t index) {
     const OutputRow& row = outputs.rows[index];
-    cell(kUiText, row.endpoint);
+    cell(row.made_up ? kUiAmber : kUiText, row.made_up ? row.endpoint + " (made up)" : row.endpoint);
     const bool lost = row.status && row.status->state == PortState::kGone;
     cell(row.state == ArmState::kOff     ? kUiDim
          : row.state == ArmState::kArmed ? kUiRed
@@ -251,6 +279,21 @@ class DevicesPanel final : public Panel {
     if (!outputs.refusal.empty()) wrapped(kUiRed, outputs.refusal);
   }
 
+  // An interface that is none, to arm without lamps.
+  void draw_model(OutputsView& outputs) {
+    const auto at = std::find_if(outputs.rows.begin(), outputs.rows.end(),
+                                 [](const OutputRow& row) { return row.endpoint.starts_with(kModel); });
+    if (at != outputs.rows.end() || outputs.universes.empty()) return;
+    ui_text(kUiDim, "No interface at hand? A made-up one sends to no lamp:");
+    ImGui::SameLine();
+    if (ImGui::SmallButton("add a made-up interface")) {
+      if (!std::binary_search(outputs.universes.begin(), outputs.universes.end(), universe_)) {
+        universe_ = outputs.universes.front();
+      }
+      outputs.add = fmt::format("{}={}", kModel, universe_);
+    }
+  }
+
   // That an interface is added for.
   void draw_universe(const std::vector<Universe>& universes) {
     if (!std::binary_search(universes.begin(), universes.end(), universe_)) universe_ = universes.front();
@@ -283,7 +326,8 @@ class DevicesPanel final : public Panel {
     for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
       const OutputRow& row = outputs.rows[i];
       if ((*asks_ == kAll || *asks_ == i) && row.state == ArmState::kOff) {
-        ui_text(kUiAmber, fmt::format("{}  universe {}", row.endpoint, show_universes(row.sent())));
+        ui_text(kUiAmber, fmt::format("{}  universe {}{}", row.endpoint, show_universes(row.sent()),
+                                      row.made_up ? "  (made up: no lamp gets it)" : ""));
       }
     }
     const auto lit =
@@ -291,6 +335,9 @@ class DevicesPanel final : public Panel {
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
     ui_text(fmt::format("Real lamps get the levels of the picture at once, and move: {} of the rig {} above zero.",
                         counted(lit, "slot"), lit == 1 ? "is" : "are"));
+    if (input.made_up != nullptr && !input.made_up->inputs.empty()) {
+      ui_text(kUiRed, fmt::format("A made-up input moves them: {}.", input.made_up->inputs.front()));
+    }
     ui_text(kUiDim, "B or F9 is the blackout, Ctrl+D disarms all. Disarmed outputs end dark.");
     ImGui::PopTextWrapPos();
     ImGui::Checkbox("The stage is clear, and nobody is near the lamps", &clear_);
