@@ -49,7 +49,7 @@ class Ui {
     input.status = status;
     input.now_ns = now_ns += kNsPerS / 60;
     input.outputs = outputs;
-    input.made_up = made_up;
+    input.inputs = inputs;
     ImGui::NewFrame();
     if (logs) ImGui::LogToClipboard();
     open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
@@ -101,7 +101,7 @@ class Ui {
   UiPanels open;
   std::vector<std::uint8_t> levels;
   OutputsView* outputs;
-  MadeUpView* made_up = nullptr;
+  InputsView* inputs = nullptr;
   const PumpStatus* status = nullptr;
   TimeNs now_ns = kNsPerS;
   bool logs = false;
@@ -246,15 +246,15 @@ TEST_CASE("interfaces that are plugged in are listed with their fix, and a click
 
 TEST_CASE("one click adds a made-up input, and another one removes it") {
   OutputsView view;
-  MadeUpView made_up;
+  InputsView made_up;
   Ui ui(&view);
-  ui.made_up = &made_up;
-  CHECK(has(ui.words(), "No console at hand?"));
+  ui.inputs = &made_up;
+  CHECK(has(ui.words(), "or made up:"));
   REQUIRE(ui.click_over(Ui::body(), false, [&] { return made_up.add.has_value(); }));
   CHECK(made_up.add == "mock:chase");
   made_up.add.reset();
 
-  made_up.inputs = {"mock:chase"};
+  made_up.inputs = made_up.made_up = {"mock:chase"};
   const std::string words = ui.words();
   CHECK(has(words, "MADE UP: mock:chase"));
   CHECK(!has(words, "add chase"));  // it is there
@@ -265,19 +265,60 @@ TEST_CASE("one click adds a made-up input, and another one removes it") {
 
 TEST_CASE("a made-up input that must not be added says why, and no click adds it") {
   OutputsView view;
-  MadeUpView made_up;
-  made_up.why_not = "A log drives the rig; start the window without it.";
+  InputsView made_up;
+  made_up.why_not = "A log drives the rig; start the window without it to add inputs.";
   Ui ui(&view);
-  ui.made_up = &made_up;
+  ui.inputs = &made_up;
   CHECK(has(ui.words(), "A log drives the rig"));
   CHECK(!ui.click_over(Ui::body(), false, [&] { return made_up.add.has_value(); }));
+}
+
+TEST_CASE("an endpoint that is typed becomes an input, or an output, with Enter") {
+  OutputsView view;
+  InputsView inputs;
+  Ui ui(&view);
+  ui.inputs = &inputs;
+  ImGuiIO& io = ImGui::GetIO();
+  const auto enter = [&] {
+    io.KeyMap[ImGuiKey_Enter] = 1;
+    io.KeysDown[1] = true;
+    ui.frame();
+    io.KeysDown[1] = false;
+    ui.frame();
+  };
+  // The fields, from above: a click into one takes the keyboard.
+  const auto type_into_field = [&](ImGuiID before, const char* text) -> ImGuiID {
+    ImGuiID field = 0;
+    CHECK(ui.click_over(Ui::body(), false, [&] {
+      inputs.add.reset();  // a button
+      view.add.reset();
+      field = ImGui::GetActiveID();
+      return field != 0 && field != before && ImGui::GetInputTextState(field) != nullptr;
+    }));
+    io.AddInputCharactersUTF8(text);
+    ui.frame();
+    enter();
+    return field;
+  };
+  const ImGuiID first = type_into_field(0, "sacn:1-2");
+  CHECK(inputs.add == "sacn:1-2");
+  CHECK(!view.add);
+  (void)type_into_field(first, "sacn:2%lo");
+  CHECK(view.add == "sacn:2%lo");
+  CHECK(!inputs.add);
+  inputs.refusal = "sacn:1-2: no such thing";
+  view.refusal = "sacn:2%lo: it is in the list already";
+  const std::string words = ui.words();
+  CHECK(has(words, "no such thing"));
+  CHECK(has(words, "in the list already"));
+  CHECK(inputs.add == std::nullopt);
 }
 
 TEST_CASE("a made-up interface is one click away, and is called so in its row and in the question") {
   OutputsView view;
   view.universes = {3, 5};
-  MadeUpView made_up;
-  made_up.inputs = {"mock:sine"};
+  InputsView made_up;
+  made_up.made_up = {"mock:sine"};
   Ui ui(&view);
   REQUIRE(ui.click_over(Ui::body(), false, [&] { return view.add.has_value(); }));
   CHECK(view.add == "mock:enttec-pro=3");
@@ -294,7 +335,7 @@ TEST_CASE("a made-up interface is one click away, and is called so in its row an
   view.rows[1].made_up = false;
   CHECK(live_words(view) == "LIVE: 2 outputs");
   view.rows[0].state = view.rows[1].state = ArmState::kOff;
-  ui.made_up = &made_up;
+  ui.inputs = &made_up;
   REQUIRE(ui.click_over(Ui::body(), false, [] { return Ui::asks(); }));
   for (int i = 0; i < 2; ++i) ui.frame();
   const std::string question = ui.words();
@@ -304,7 +345,7 @@ TEST_CASE("a made-up interface is one click away, and is called so in its row an
 
 TEST_CASE("a tag over the picture says what is made up, below the band of outputs") {
   const testing::HeadlessImGui imgui(800, 600);
-  MadeUpView made_up;
+  InputsView made_up;
   // The place of what is drawn, or nothing.
   const auto tag = [&](float y) {
     ImGui::NewFrame();
@@ -316,12 +357,12 @@ TEST_CASE("a tag over the picture says what is made up, below the band of output
   };
   CHECK(tag(0).Max.x < 0);
   CHECK(made_up_words(made_up).empty());
-  made_up.inputs = {"mock:chase"};
+  made_up.inputs = made_up.made_up = {"mock:chase"};
   CHECK(made_up_words(made_up) == "MADE UP: mock:chase");
   CHECK(tag(30).Min.y == doctest::Approx(30));
   CHECK(tag(30).GetCenter().x == doctest::Approx(268).epsilon(0.01));
   CHECK(tag(30).GetWidth() > 100);
-  made_up.inputs.push_back("mock:sine");
+  made_up.made_up.push_back("mock:sine");
   CHECK(made_up_words(made_up) == "MADE UP: 2 inputs");
 }
 

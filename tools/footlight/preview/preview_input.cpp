@@ -64,7 +64,7 @@ void Preview::draw_ui() {
     if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
     input.outputs = &outputs_view_;
-    input.made_up = &made_up_view_;
+    input.inputs = &inputs_view_;
     input.now_ns = clock_.now_ns();
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
@@ -88,7 +88,7 @@ void Preview::draw_ui() {
   if (begun_ns < news_until_ns_) draw_news(news_, where, window_->ui_scale());
   const auto width = static_cast<float>(where.size.x);
   const float below = outputs_ ? draw_live_band(outputs_view_, width, window_->ui_scale()) : 0;
-  draw_made_up_tag(made_up_view_, width, below);
+  draw_made_up_tag(inputs_view_, width, below);
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
   window_->end_ui();
   ui_times_.add(static_cast<double>(clock_.now_ns() - begun_ns) * 1e-6);

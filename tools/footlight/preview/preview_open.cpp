@@ -177,6 +177,14 @@ Status Preview::show_progress(const char* what) {
   return {};
 }
 
+Status Preview::start_live(std::vector<std::unique_ptr<Source>> sources) {
+  FL_ASSIGN(live_, LiveLevels::start(framed_->compiled.universes, std::move(sources), clock_));
+  live_timeline_ =
+      std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_), clock_.now_ns());
+  live_timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
+  return {};
+}
+
 // again: as of open_input().
 Status Preview::open_levels(bool again) {
   if (!ins_.empty()) {
@@ -185,11 +193,7 @@ Status Preview::open_levels(bool again) {
       FL_ASSIGN(std::unique_ptr<Source> source, open_input(text, again));
       sources.push_back(std::move(source));
     }
-    FL_ASSIGN(live_, LiveLevels::start(framed_->compiled.universes, std::move(sources), clock_));
-    live_timeline_ =
-        std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_), clock_.now_ns());
-    live_timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
-    return {};
+    return start_live(std::move(sources));
   }
   FL_ASSIGN(log_, open_scene_log(options_.files));
   if (log_) {

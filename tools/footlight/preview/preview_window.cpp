@@ -107,7 +107,7 @@ Status Preview::turn() {
     FL_TRY(rebuild(where));
   }
   FL_TRY(update_error());
-  follow_made_up();
+  follow_inputs();
   FL_TRY(step_levels(dt_ns));
   drive_outputs();
   frame_->adapt_for(dt_ns);    // also while the log is paused

@@ -33,7 +33,7 @@
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
 #include "tools/footlight/preview/ui/keys.h"
-#include "tools/footlight/preview/ui/made_up_view.h"
+#include "tools/footlight/preview/ui/inputs_view.h"
 #include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/questions.h"
@@ -95,11 +95,12 @@ class Preview {
   void drive_outputs();
   bool call_outputs(const UiCall& call);
 
-  // Inputs that come and go: preview_made_up.cpp.
+  // Inputs that come and go: preview_inputs.cpp.
+  Status start_live(std::vector<std::unique_ptr<Source>> sources);
   Result<std::unique_ptr<Source>> open_input(const std::string& text, bool again);
   void follow_patterns();
-  void follow_made_up();
-  void add_input(const std::string& text);
+  void follow_inputs();
+  Status add_input(const std::string& text);
   void remove_input(const std::string& text);
   void close_inputs();
 
@@ -156,8 +157,8 @@ class Preview {
   std::unique_ptr<HandLevels> hand_;
   std::vector<std::string> ins_;          // endpoints of live_; with hand_: those that could not be opened
   std::vector<PatternSource*> patterns_;  // of live_
-  MadeUpView made_up_view_;
-  std::unique_ptr<HandLevels> resting_hand_;  // from before the first made-up input, of resting_scene_
+  InputsView inputs_view_;
+  std::unique_ptr<HandLevels> resting_hand_;  // from before the first input that was added, of resting_scene_
   SharedScene resting_scene_;
 
   std::unique_ptr<LiveOutputs> outputs_;  // null: there are none

@@ -67,11 +67,13 @@ class DevicesPanel final : public Panel {
   void draw(UiDesk&, const UiInput& input) override {
     ui_text(kUiAmber, "Inputs");
     draw_inputs(input);
-    if (input.made_up != nullptr) draw_made_up(*input.made_up, input.status != nullptr, input.scale);
+    if (input.inputs != nullptr) draw_more_inputs(*input.inputs, input.scale);
     ImGui::Dummy({0, 4 * input.scale});
     ui_text(kUiAmber, "Outputs to real lamps");
     if (input.outputs == nullptr) return;
     draw_all_outputs(input);
+    if (const auto asked = draw_field("output", "enttec-pro=1", output_text_)) input.outputs->add = asked;
+    if (!input.outputs->refusal.empty()) wrapped(kUiRed, input.outputs->refusal);
     ImGui::Dummy({0, 4 * input.scale});
     ui_text(kUiAmber, "Plugged in");
     input.outputs->looks = true;
@@ -83,7 +85,7 @@ class DevicesPanel final : public Panel {
   void draw_all_outputs(const UiInput& input) {
     if (input.outputs->rows.empty()) {
       asks_.reset();
-      wrapped(kUiDim, "There are none. `footlight preview RIG --output ENDPOINT` adds one.");
+      wrapped(kUiDim, "There are none. What is added here, or with --output ENDPOINT, is armed by hand.");
       return;
     }
     draw_buttons(*input.outputs, input.scale);
@@ -133,28 +135,47 @@ class DevicesPanel final : public Panel {
     }
   }
 
-  // Patterns instead of a console, for who has none, each with a button; and how to be rid of them.
-  static void draw_made_up(MadeUpView& view, bool any_input, float scale) {
-    const auto is_on = [&](const std::string& endpoint) {
-      return std::find(view.inputs.begin(), view.inputs.end(), endpoint) != view.inputs.end();
+  // How to be rid of inputs, and fields for more; patterns, for who has no console, each with a button.
+  void draw_more_inputs(InputsView& view, float scale) {
+    const auto is_on = [](const std::vector<std::string>& list, const std::string& endpoint) {
+      return std::find(list.begin(), list.end(), endpoint) != list.end();
     };
     for (const std::string& endpoint : view.inputs) {
+      const bool made_up = is_on(view.made_up, endpoint);
       ImGui::PushID(endpoint.c_str());
-      ui_text(kUiAmber, fmt::format("MADE UP: {}", endpoint));
+      ui_text(made_up ? kUiAmber : kUiDim, made_up ? "MADE UP: " + endpoint : endpoint);
       ImGui::SameLine();
       if (ImGui::SmallButton("remove")) view.remove = endpoint;
       ImGui::PopID();
     }
     ImGui::BeginDisabled(!view.why_not.empty());
-    ui_text(kUiDim, any_input ? "A made-up input:" : "No console at hand? A made-up input:");
+    if (const auto asked = draw_field("input", "sacn:1-9", input_text_)) view.add = asked;
+    ImGui::SameLine(0, 16 * scale);
+    ui_text(kUiDim, "or made up:");
     for (const std::string_view word : kPatternWords) {
       const std::string endpoint = fmt::format("mock:{}", word);
-      if (is_on(endpoint)) continue;
+      if (is_on(view.inputs, endpoint)) continue;
       ImGui::SameLine(0, 8 * scale);
       if (ImGui::SmallButton(fmt::format("add {}", word).c_str())) view.add = endpoint;
     }
     ImGui::EndDisabled();
+    if (!view.refusal.empty()) wrapped(kUiRed, view.refusal);
     if (!view.why_not.empty()) wrapped(kUiDim, view.why_not);
+  }
+
+  // A field for an endpoint. Enter or its button adds what it has.
+  static std::optional<std::string> draw_field(const char* what, const char* example, std::array<char, 160>& text) {
+    ImGui::PushID(what);
+    ImGui::SetNextItemWidth(ImGui::GetFontSize() * 12);
+    constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll;
+    bool adds = ImGui::InputTextWithHint("##endpoint", example, text.data(), text.size(), kFlags);
+    ImGui::SameLine();
+    adds = ImGui::Button(fmt::format("add {}", what).c_str()) || adds;
+    ImGui::PopID();
+    const std::string asked = text.data();
+    if (!adds || asked.empty()) return std::nullopt;
+    text[0] = 0;
+    return asked;
   }
 
   static void draw_input(const PortStatus& port, const UiInput& input) {
@@ -276,7 +297,6 @@ class DevicesPanel final : public Panel {
       if (!device.fix.empty()) wrapped(kUiDim, device.fix);
       ImGui::PopID();
     }
-    if (!outputs.refusal.empty()) wrapped(kUiRed, outputs.refusal);
   }
 
   // An interface that is none, to arm without lamps.
@@ -335,8 +355,8 @@ class DevicesPanel final : public Panel {
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
     ui_text(fmt::format("Real lamps get the levels of the picture at once, and move: {} of the rig {} above zero.",
                         counted(lit, "slot"), lit == 1 ? "is" : "are"));
-    if (input.made_up != nullptr && !input.made_up->inputs.empty()) {
-      ui_text(kUiRed, fmt::format("A made-up input moves them: {}.", input.made_up->inputs.front()));
+    if (input.inputs != nullptr && !input.inputs->made_up.empty()) {
+      ui_text(kUiRed, fmt::format("A made-up input moves them: {}.", input.inputs->made_up.front()));
     }
     ui_text(kUiDim, "B or F9 is the blackout, Ctrl+D disarms all. Disarmed outputs end dark.");
     ImGui::PopTextWrapPos();
@@ -362,6 +382,8 @@ class DevicesPanel final : public Panel {
   bool opens_ = false;               // the question opens with this picture
   bool clear_ = false;               // its tick
   Universe universe_ = kUniverseMin;
+  std::array<char, 160> input_text_{};
+  std::array<char, 160> output_text_{};
 };
 
 }  // namespace

@@ -49,7 +49,7 @@ float draw_live_band(const OutputsView& outputs, float stage_width, float scale)
   return draw_tag(draw, blackout_words(outputs), text, middle, below, kBlack, kWhite);
 }
 
-void draw_made_up_tag(const MadeUpView& made_up, float stage_width, float y) {
+void draw_made_up_tag(const InputsView& made_up, float stage_width, float y) {
   const std::string words = made_up_words(made_up);
   if (words.empty()) return;
   draw_tag(*ImGui::GetForegroundDrawList(), words, ImGui::GetFontSize() * 1.25f, std::max(stage_width, 1.0f) / 2, y,

@@ -1,7 +1,7 @@
 // The frame around the window while outputs to real lamps are armed or blacked out. Dear ImGui only.
 #pragma once
 
-#include "tools/footlight/preview/ui/made_up_view.h"
+#include "tools/footlight/preview/ui/inputs_view.h"
 #include "tools/footlight/preview/ui/outputs_view.h"
 
 namespace footlight::tools {
@@ -12,6 +12,6 @@ namespace footlight::tools {
 float draw_live_band(const OutputsView& outputs, float stage_width, float scale);
 
 // "MADE UP: mock:chase" over everything else, while there is a made-up input. Takes no clicks. y: of its upper edge.
-void draw_made_up_tag(const MadeUpView& made_up, float stage_width, float y);
+void draw_made_up_tag(const InputsView& made_up, float stage_width, float y);
 
 }  // namespace footlight::tools

@@ -13,7 +13,7 @@
 #include "sim/core/dmx.h"
 #include "sim/core/result.h"
 #include "sim/pump.h"
-#include "tools/footlight/preview/ui/made_up_view.h"
+#include "tools/footlight/preview/ui/inputs_view.h"
 #include "tools/footlight/preview/ui/outputs_view.h"
 #include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
@@ -29,7 +29,7 @@ struct UiInput {
   Transport* transport = nullptr;        // of the log that plays; its second part may be changed
   const LightCurve* curve = nullptr;     // of it; may be missing
   OutputsView* outputs = nullptr;        // to real lamps; its second part may be changed
-  MadeUpView* made_up = nullptr;         // inputs to play with; its second part may be changed
+  InputsView* inputs = nullptr;          // live ones; its second part may be changed
   float scale = 1;                       // of the user interface
 };
 

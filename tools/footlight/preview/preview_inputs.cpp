@@ -38,35 +38,46 @@ void Preview::follow_patterns() {
 }
 
 // Once a picture: what there is, and what the user asks for.
-void Preview::follow_made_up() {
-  MadeUpView& view = made_up_view_;
-  if (const auto text = std::exchange(view.add, std::nullopt)) add_input(*text);
+void Preview::follow_inputs() {
+  InputsView& view = inputs_view_;
+  if (const auto text = std::exchange(view.add, std::nullopt)) {
+    const Status added = add_input(*text);
+    view.refusal = added ? "" : added.error().message;
+  }
   if (const auto text = std::exchange(view.remove, std::nullopt)) remove_input(*text);
-  view.inputs.clear();
+  view.inputs = ins_;
+  view.made_up.clear();
   for (const std::string& text : ins_) {
     const auto endpoint = parse_port(text);
-    if (endpoint && is_made_up(*endpoint)) view.inputs.push_back(text);
+    if (endpoint && is_made_up(*endpoint)) view.made_up.push_back(text);
   }
-  view.why_not = player_ != nullptr       ? "A log drives the rig; start the window without it."
-                 : outputs_view_.any_on() ? "Disarm the outputs first: real lamps would follow it."
+  view.why_not = player_ != nullptr       ? "A log drives the rig; start the window without it to add inputs."
+                 : outputs_view_.any_on() ? "Disarm the outputs to add inputs: real lamps would follow them."
                                           : "";
 }
 
-void Preview::add_input(const std::string& text) {
-  if (player_ != nullptr || outputs_view_.any_on() || std::find(ins_.begin(), ins_.end(), text) != ins_.end()) return;
-  if (live_) {
-    Result<std::unique_ptr<Source>> source = open_input(text, true);
-    if (!source) return tell(source.error().message);
-    live_->add(std::move(*source));
-    ins_.push_back(text);
-  } else {
-    if (hand_) resting_hand_ = std::make_unique<HandLevels>(*hand_);
-    resting_scene_ = framed_;
-    ins_.push_back(text);
-    open_inputs_again(*framed_);
-    if (!live_) return ins_.pop_back();
+Status Preview::add_input(const std::string& text) {
+  if (player_ != nullptr || outputs_view_.any_on()) return {};
+  if (std::find(ins_.begin(), ins_.end(), text) != ins_.end()) {
+    return fail(ErrorCode::kBadInput, "{}: it is in the list already", text);
   }
-  tell(fmt::format("{} is made up: no console sends it; F6 removes it", text));
+  FL_ASSIGN(std::unique_ptr<Source> source, open_input(text, false));
+  if (live_) {
+    live_->add(std::move(source));
+  } else {
+    std::vector<std::unique_ptr<Source>> sources;
+    sources.push_back(std::move(source));
+    if (const Status started = start_live(std::move(sources)); !started) {
+      close_inputs();
+      return started;
+    }
+    resting_hand_ = std::move(hand_);
+    resting_scene_ = framed_;
+  }
+  ins_.push_back(text);
+  const bool made_up = is_made_up(*parse_port(text));
+  tell(fmt::format("{} {}", text, made_up ? "is made up: no console sends it" : "drives the rig"));
+  return {};
 }
 
 void Preview::remove_input(const std::string& text) {
