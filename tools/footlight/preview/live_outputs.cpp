@@ -197,7 +197,8 @@ void LiveOutputs::take_opened(Output& output) {
     feed_->count_armed(1);
     pump_->add_sink(*sink);
   });
-  note(fmt::format("{}: armed: it sends the levels of the picture to real lamps", name));
+  note(fmt::format("{}: armed: it sends the levels of the picture {}", name,
+                   is_made_up(output.plan.endpoint) ? "to no lamp, since it is made up" : "to real lamps"));
 }
 
 void LiveOutputs::disarm(std::size_t index) {

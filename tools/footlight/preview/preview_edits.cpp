@@ -115,7 +115,7 @@ void Preview::open_inputs_again(const PreviewScene& before) {
   hand_ = hand_ ? moved_hand(*hand_, before, *framed_) : std::make_unique<HandLevels>(framed_->rig, framed_->compiled);
   frame_->settle_machine_air(hand_->levels());
   if (outputs_) outputs_->black_out();  // real lamps must not follow faders that nobody has set
-  tell("faders drive the rig, the inputs are closed: " + opened.error().message);
+  tell("faders drive the rig, the inputs are closed: " + opened.error().message, true);
 }
 
 // What drives the fixtures, for framed_ instead of the scene before.
@@ -175,7 +175,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       facts_.edit_to_frame_ms = static_cast<double>(clock_.now_ns() - made_begun_ns_) * 1e-6;
     } else {
       failed_ = std::exchange(making_scene_, nullptr);
-      tell(made.error().message + "; the picture shows the rig from before");
+      tell(made.error().message + "; the picture shows the rig from before", true);
     }
   }
   const SharedScene& scene = edited_->scene();
@@ -207,7 +207,7 @@ void Preview::save() {
   if (!unsaved() && file.known()) return tell(fmt::format("no edits to save in {}", file.target()));
   const auto report = file.save();
   save_error_ = report ? "" : report.error().message;
-  if (!report) return tell(save_error_);
+  if (!report) return tell(save_error_, true);
   saved_revision_ = desk_->state().revision;
   autosave_->forget();
   std::string news = fmt::format("saved {}", std::filesystem::absolute(report->path).string());
@@ -219,7 +219,7 @@ void Preview::save() {
 // Once a picture: the copy for a crash, and the title.
 void Preview::keep_edits() {
   if (const auto error = autosave_->step(clock_.now_ns(), desk_->state().revision, unsaved())) {
-    tell("no automatic copy of the edits: " + error->message);
+    tell("no automatic copy of the edits: " + error->message, true);
   }
   std::string title = fmt::format("{}{} - Footlight", unsaved() ? "* " : "", framed_->rig.name);
   if (title == title_) return;

@@ -111,7 +111,8 @@ void Preview::write_own_shot() {
     return fail(ErrorCode::kIo, "there are {} screenshots in this folder; move some of them", kShotsMax);
   };
   const Result<std::string> path = write();
-  tell(path ? fmt::format("saved {}", (std::filesystem::current_path() / *path).string()) : path.error().message);
+  if (!path) return tell(path.error());
+  tell(fmt::format("saved {}", (std::filesystem::current_path() / *path).string()));
 }
 
 }  // namespace footlight::tools

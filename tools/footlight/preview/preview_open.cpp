@@ -59,6 +59,7 @@ Status Preview::open_device() {
 Status Preview::set_controls(const fixtures::Camera& camera) {
   desk_ = std::make_unique<UiDesk>(framed_->rig, framed_->compiled);
   start_edits();
+  open_markers();
   desk_->list_definitions_in(fixtures::definition_folders(options_.library, edited_->file().target()));
   desk_->start_view(OrbitCamera(camera), {static_cast<float>(camera.exposure_ev), options_.display.auto_exposure});
   show_exposure();

@@ -64,12 +64,12 @@ void Preview::drive_outputs() {
   outputs_->give(desk_->compiled().universes, levels, sendable);
   outputs_->follow(outputs_view_);
   if (picture_ns_ >= 0 && !std::exchange(outputs_told_, true)) {
-    tell(fmt::format("{} to real lamps, not armed: F6", counted(outputs_view_.rows.size(), "output")));
+    tell(fmt::format("{}, not armed: F6", counted(outputs_view_.rows.size(), "output")));
   }
   for (std::string& notice : outputs_->notices()) {
     // Without exceptions, since standard error may be gone: outputs go on.
     std::fputs(("footlight: " + notice + "\n").c_str(), stderr);
-    tell(notice);
+    tell(notice, notice.starts_with("not armed"));
     outputs_view_.notice = std::move(notice);
   }
 }

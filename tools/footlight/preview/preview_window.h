@@ -34,6 +34,7 @@
 #include "tools/footlight/preview/preview_panel.h"
 #include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/inputs_view.h"
+#include "tools/footlight/preview/ui/messages.h"
 #include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/questions.h"
@@ -90,6 +91,13 @@ class Preview {
     return options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
   }
 
+  // Markers of the log: preview_markers.cpp.
+  void open_markers();
+  void mark_time();
+  [[nodiscard]] TimeNs marker_start_ns(bool back) const;
+  void go_to_marker(const Marker* marker);
+  void keep_markers();
+
   // Outputs to real lamps: preview_outputs.cpp.
   Status open_outputs(std::span<const std::string> texts);
   void drive_outputs();
@@ -128,7 +136,8 @@ class Preview {
   void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);
   void expose(double steps_ev);
   void show_exposure();
-  void tell(std::string news);
+  void tell(std::string news, bool wrong = false);
+  void tell(const Error& error) { tell(error.message, true); }
   [[nodiscard]] PixelRect place() const;
   [[nodiscard]] StagePlace stage() const;
   [[nodiscard]] const StagePick& pick();
@@ -165,6 +174,8 @@ class Preview {
   OutputsView outputs_view_;
   bool outputs_told_ = false;        // that there are some, with the first picture
   TimeNs looked_ns_ = 0;             // for devices that are plugged in
+  std::string markers_path_;         // empty: they are not saved
+  Markers saved_markers_;            // as the file has them
   std::optional<LightCurve> curve_;  // of the log, from the moments of its index
 
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
@@ -209,8 +220,7 @@ class Preview {
   bool selects_more_ = false;               // Ctrl or Shift was held at the last press
   bool shot_asked_ = false;                 // the next picture is kept
   bool shot_taken_ = false;
-  std::string news_;
-  TimeNs news_until_ns_ = 0;
+  MessageLog messages_;
   FrameTimes ui_times_;
   PreviewControls controls_;
   PreviewFacts facts_;
