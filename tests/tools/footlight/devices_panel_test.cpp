@@ -231,7 +231,7 @@ TEST_CASE("interfaces that are plugged in are listed with their fix, and a click
   Ui ui(&view);
   CHECK(view.looks);
   const std::string words = ui.words();
-  for (const char* part : {"There are none", "enttec-pro:EN1", "ready", "udmx:port-1", "sudo something", "universe"}) {
+  for (const char* part : {"There are none", "enttec-pro:EN1", "ready", "udmx:port-1", "sudo something", "Universes"}) {
     INFO(part);
     CHECK(has(words, part));
   }
@@ -364,6 +364,51 @@ TEST_CASE("a tag over the picture says what is made up, below the band of output
   CHECK(tag(30).GetWidth() > 100);
   made_up.made_up.push_back("mock:sine");
   CHECK(made_up_words(made_up) == "MADE UP: 2 inputs");
+}
+
+TEST_CASE("an interface or an output that is dragged to a universe is patched to it") {
+  OutputsView view;
+  view.universes = {3, 5, 8};
+  view.devices.resize(1);
+  view.devices[0] = {"enttec-pro:EN1", "ENTTEC DMX USB Pro", "ready", "", true};
+  view.rows.resize(2);
+  view.rows[0].endpoint = "enttec-pro:EN2=3";
+  view.rows[0].universes = {3};
+  view.rows[0].can_move = true;
+  view.rows[1].endpoint = "sacn:3";
+  view.rows[1].universes = {3};
+  Ui ui(&view);
+  ImGuiIO& io = ImGui::GetIO();
+  // Presses at one place, moves to the other and lets go there.
+  const auto drag = [&](ImVec2 from, ImVec2 to) {
+    io.MousePos = from;
+    ui.frame();
+    io.MouseDown[0] = true;
+    ui.frame();
+    io.MousePos = {(from.x + to.x) / 2, (from.y + to.y) / 2};
+    for (int i = 0; i < 2; ++i) ui.frame();
+    io.MousePos = to;
+    for (int i = 0; i < 2; ++i) ui.frame();
+    io.MouseDown[0] = false;
+    for (int i = 0; i < 2; ++i) ui.frame();
+  };
+  const ImRect body = Ui::body();
+  // From every row of the panel to every row below, since the test has no places of names and universes.
+  bool added = false;
+  bool moved = false;
+  for (float from = body.Min.y; from < body.Max.y && !(added && moved); from += 8) {
+    for (float to = from + 20; to < body.Max.y && !(added && moved); to += 8) {
+      view.add.reset();
+      view.move.reset();
+      drag({body.Min.x + 30, from}, {body.Min.x + 24, to});
+      if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);
+      added = added || view.add == "enttec-pro:EN1=3";
+      moved = moved || (view.move && view.move->row == 0 && view.move->to == 3);
+      CHECK(!(view.move && view.move->row == 1));  // its endpoint names its universes
+    }
+  }
+  CHECK(added);
+  CHECK(moved);
 }
 
 TEST_CASE("the band names what is live, and a blackout") {

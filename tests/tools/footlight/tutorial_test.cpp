@@ -1,7 +1,7 @@
 // docs/tutorial.md, done step by step in the window with a mouse and a keyboard of xdotool, under Xvfb.
 //
 // The places of buttons are those of a window of 960 x 540 with the panels where they open. A panel that looks
-// different moves them: make the pictures (tools/tutorial_pictures), look at them, and mend the places here. With
+// different moves them: make the pictures (tools/tutorial_pictures), look at them, and change the places here. With
 // FOOTLIGHT_TUTORIAL_PICTURES=FOLDER the pictures of the page are kept there.
 #include <chrono>
 #include <csignal>

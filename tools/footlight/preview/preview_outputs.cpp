@@ -42,6 +42,15 @@ Status Preview::open_outputs(std::span<const std::string> texts) {
   return {};
 }
 
+Status Preview::move_output(const OutputsView::Move& move) {
+  if (!outputs_ || move.row >= outputs_view_.rows.size()) return {};
+  FL_ASSIGN(const Endpoint endpoint, parse_port(outputs_view_.rows[move.row].endpoint));
+  const auto text = moved_endpoint(endpoint, move.to);
+  if (!text || *text == endpoint.text) return {};
+  FL_ASSIGN(OutputPlan plan, plan_outputs({&*text, 1}, *edited_->scene()));
+  return outputs_->replace(move.row, std::move(plan.outputs.front()));
+}
+
 // Once a picture, also while it stands still: the levels that it shows, and what the user asks for.
 void Preview::drive_outputs() {
   // While a frame of an edited rig is being made, the levels are still in the places of the rig from before.
@@ -57,6 +66,10 @@ void Preview::drive_outputs() {
   if (const auto endpoint = std::exchange(outputs_view_.add, std::nullopt)) {
     const Status added = open_outputs({&*endpoint, 1});
     outputs_view_.refusal = added ? "" : added.error().message;
+  }
+  if (const auto move = std::exchange(outputs_view_.move, std::nullopt)) {
+    const Status moved = move_output(*move);
+    outputs_view_.refusal = moved ? "" : moved.error().message;
   }
   if (!outputs_) return;
   if (live_) live_->take();

@@ -100,6 +100,7 @@ class Preview {
 
   // Outputs to real lamps: preview_outputs.cpp.
   Status open_outputs(std::span<const std::string> texts);
+  Status move_output(const OutputsView::Move& move);
   void drive_outputs();
   bool call_outputs(const UiCall& call);
 

@@ -1,6 +1,7 @@
 // Inputs and outputs: what they receive and send, what is wrong with them, and the buttons that arm outputs.
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <optional>
 #include <string>
 
@@ -17,7 +18,10 @@
 namespace footlight::tools {
 namespace {
 
-constexpr std::size_t kAll = SIZE_MAX;             // of the question
+constexpr std::size_t kAll = SIZE_MAX;            // of the question
+constexpr const char* kDeviceDrag = "interface";  // its endpoint without a universe
+constexpr const char* kOutputDrag = "output";     // its row
+constexpr std::size_t kChipsMax = 128;
 constexpr const char* kModel = "mock:enttec-pro";  // of an interface, inside the program
 
 const ImVec4 kUiText{0.86f, 0.87f, 0.89f, 1};
@@ -78,7 +82,6 @@ class DevicesPanel final : public Panel {
     ui_text(kUiAmber, "Plugged in");
     input.outputs->looks = true;
     draw_devices(*input.outputs);
-    draw_model(*input.outputs);
   }
 
  private:
@@ -255,7 +258,17 @@ class DevicesPanel final : public Panel {
 
   void draw_output(OutputsView& outputs, std::size_t index) {
     const OutputRow& row = outputs.rows[index];
-    cell(row.made_up ? kUiAmber : kUiText, row.made_up ? row.endpoint + " (made up)" : row.endpoint);
+    ImGui::TableNextColumn();
+    const std::string words = row.made_up ? row.endpoint + " (made up)" : row.endpoint;
+    ImGui::PushStyleColor(ImGuiCol_Text, row.made_up ? kUiAmber : kUiText);
+    if (row.can_move) {
+      ImGui::Selectable(words.c_str(), false, 0, {ImGui::CalcTextSize(words.c_str()).x, 0});
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("Drag it to another universe below.");
+      drag_source(kOutputDrag, &index, sizeof(index), row.endpoint);
+    } else {
+      ui_text(words);
+    }
+    ImGui::PopStyleColor();
     const bool lost = row.status && row.status->state == PortState::kGone;
     cell(row.state == ArmState::kOff     ? kUiDim
          : row.state == ArmState::kArmed ? kUiRed
@@ -278,25 +291,39 @@ class DevicesPanel final : public Panel {
     }
   }
 
-  // DMX interfaces of this machine, and a button that adds one as an output.
+  // DMX interfaces of this machine. A drag to a universe makes one an output; so does its button, for the chosen one.
   void draw_devices(OutputsView& outputs) {
     if (outputs.devices.empty()) wrapped(kUiDim, "No DMX interface. `footlight doctor` checks this machine.");
-    const bool sends = std::any_of(outputs.devices.begin(), outputs.devices.end(),
-                                   [](const PluggedDevice& device) { return device.can_send; });
-    if (sends && !outputs.universes.empty()) draw_universe(outputs.universes);
     for (std::size_t i = 0; i < outputs.devices.size(); ++i) {
       const PluggedDevice& device = outputs.devices[i];
       ImGui::PushID(static_cast<int>(i));
-      ui_text(kUiText, device.endpoint.empty() ? device.model : device.endpoint + "  " + device.model);
+      draw_device(outputs, device.endpoint,
+                  device.endpoint.empty() ? device.model : device.endpoint + "  " + device.model, device.can_send);
       ImGui::SameLine();
       ui_text(device.fix.empty() ? kUiGreen : kUiAmber, device.state);
-      if (device.can_send && !outputs.universes.empty()) {
-        ImGui::SameLine();
-        if (ImGui::SmallButton("add")) outputs.add = fmt::format("{}={}", device.endpoint, universe_);
-      }
       if (!device.fix.empty()) wrapped(kUiDim, device.fix);
       ImGui::PopID();
     }
+    draw_model(outputs);
+    if (!outputs.universes.empty()) draw_universes(outputs);
+  }
+
+  // A name that can be dragged, and a button.
+  void draw_device(OutputsView& outputs, const std::string& endpoint, const std::string& words, bool can_send) {
+    if (!can_send || outputs.universes.empty()) return ui_text(kUiText, words);
+    const float width = ImGui::CalcTextSize(words.c_str()).x;
+    ImGui::Selectable(words.c_str(), false, 0, {width, 0});
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Drag it to a universe below.");
+    drag_source(kDeviceDrag, endpoint.c_str(), endpoint.size() + 1, endpoint);
+    ImGui::SameLine();
+    if (ImGui::SmallButton("add")) outputs.add = fmt::format("{}={}", endpoint, chosen(outputs));
+  }
+
+  static void drag_source(const char* kind, const void* data, std::size_t size, const std::string& words) {
+    if (!ImGui::BeginDragDropSource(ImGuiDragDropFlags_SourceAllowNullID)) return;
+    ImGui::SetDragDropPayload(kind, data, size);
+    ui_text(words + " to a universe");
+    ImGui::EndDragDropSource();
   }
 
   // An interface that is none, to arm without lamps.
@@ -306,23 +333,41 @@ class DevicesPanel final : public Panel {
     if (at != outputs.rows.end() || outputs.universes.empty()) return;
     ui_text(kUiDim, "No interface at hand? A made-up one sends to no lamp:");
     ImGui::SameLine();
-    if (ImGui::SmallButton("add a made-up interface")) {
-      if (!std::binary_search(outputs.universes.begin(), outputs.universes.end(), universe_)) {
-        universe_ = outputs.universes.front();
-      }
-      outputs.add = fmt::format("{}={}", kModel, universe_);
-    }
+    if (ImGui::SmallButton("add a made-up interface")) outputs.add = fmt::format("{}={}", kModel, chosen(outputs));
+    drag_source(kDeviceDrag, kModel, std::string_view(kModel).size() + 1, kModel);
   }
 
-  // That an interface is added for.
-  void draw_universe(const std::vector<Universe>& universes) {
-    if (!std::binary_search(universes.begin(), universes.end(), universe_)) universe_ = universes.front();
-    ImGui::SetNextItemWidth(ImGui::GetFontSize() * 5);
-    if (!ImGui::BeginCombo("is the universe that `add` sends", fmt::format("{}", universe_).c_str())) return;
-    for (const Universe universe : universes) {
-      if (ImGui::Selectable(fmt::format("{}", universe).c_str(), universe == universe_)) universe_ = universe;
+  Universe chosen(const OutputsView& outputs) {
+    const bool there = std::binary_search(outputs.universes.begin(), outputs.universes.end(), universe_);
+    if (!there) universe_ = outputs.universes.front();
+    return universe_;
+  }
+
+  // Those of the rig: a click chooses the one that `add` is for, and what is dropped on one is patched to it.
+  void draw_universes(OutputsView& outputs) {
+    ui_text(kUiDim, "Universes: drag an interface or an output here; `add` is for the amber one");
+    const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
+    for (std::size_t i = 0; i < outputs.universes.size() && i < kChipsMax; ++i) {
+      const Universe universe = outputs.universes[i];
+      const std::string words = fmt::format("{}", universe);
+      const float width = ImGui::CalcTextSize(words.c_str()).x + 4 * ImGui::GetStyle().FramePadding.x;
+      if (i > 0 && ImGui::GetItemRectMax().x + width + ImGui::GetStyle().ItemSpacing.x < right) ImGui::SameLine();
+      ImGui::PushStyleColor(ImGuiCol_Text, universe == chosen(outputs) ? kUiAmber : kUiText);
+      if (ImGui::Button(words.c_str(), {width, 0})) universe_ = universe;
+      ImGui::PopStyleColor();
+      if (!ImGui::BeginDragDropTarget()) continue;
+      if (const ImGuiPayload* device = ImGui::AcceptDragDropPayload(kDeviceDrag)) {
+        outputs.add = fmt::format("{}={}", static_cast<const char*>(device->Data), universe);
+      } else if (const ImGuiPayload* row = ImGui::AcceptDragDropPayload(kOutputDrag)) {
+        std::size_t index = 0;
+        std::memcpy(&index, row->Data, sizeof(index));
+        outputs.move = OutputsView::Move{index, universe};
+      }
+      ImGui::EndDragDropTarget();
     }
-    ImGui::EndCombo();
+    if (outputs.universes.size() > kChipsMax) {
+      ui_text(kUiDim, fmt::format("and {} more: type the endpoint", outputs.universes.size() - kChipsMax));
+    }
   }
 
   void asks(std::size_t which) {

@@ -31,6 +31,7 @@ struct OutputRow {
   std::string endpoint;
   std::vector<Universe> universes;  // that it carries
   std::vector<Universe> left_out;   // of them, those that are not sent: no address of the rig is in them
+  bool can_move = false;            // to another universe: a device with one, not armed
   bool made_up = false;             // a model inside the program: no lamp gets what it sends
   ArmState state = ArmState::kOff;
   std::string trouble;               // why it could not be armed; empty: it could, or was not asked for
@@ -63,6 +64,11 @@ struct OutputsView {
   std::vector<std::size_t> disarm;
   std::optional<bool> blackout;    // false: ends
   std::optional<std::string> add;  // an endpoint; it is not armed
+  struct Move {
+    std::size_t row = 0;  // that can_move
+    Universe to = 0;
+  };
+  std::optional<Move> move;
   bool looks = false;              // for devices; asked for with each picture
 
   // How many of them send.
