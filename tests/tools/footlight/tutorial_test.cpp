@@ -32,7 +32,7 @@ using Json = nlohmann::json;
 const std::string kPage = FOOTLIGHT_SOURCE_DIR "/docs/tutorial.md";
 constexpr int kWidth = 960;
 constexpr int kHeight = 540;
-constexpr std::chrono::seconds kPatience(120);  // for one effect; a picture of lavapipe takes seconds on a busy machine
+constexpr std::chrono::seconds kPatience(300);  // for one effect; a picture of lavapipe takes seconds on a busy machine
 constexpr std::chrono::milliseconds kPause(100);
 
 struct Place {
