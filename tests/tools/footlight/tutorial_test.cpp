@@ -235,6 +235,9 @@ void arm_it(Desk& desk) {
   const Json there = desk.wait("a pause where it was clicked", [](const Json& line) {
     return line["time_ns"] >= 4 * std::int64_t{1'000'000'000} && line["time_ns"] <= 15 * std::int64_t{1'000'000'000};
   });
+  desk.key("m");
+  desk.settle();
+  CHECK(fs::exists("mine.dmxlog.markers.toml"));
   desk.picture(8);
   CHECK(desk.wait("the same moment", [](const Json&) { return true; })["time_ns"] == there["time_ns"]);
 
