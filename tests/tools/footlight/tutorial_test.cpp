@@ -86,7 +86,7 @@ class Desk {
     xdotool("mouseup 1");
   }
   // The mouse beside all panels and lamps: nothing has its colours of a mouse over it.
-  void rest() const { xdotool(fmt::format("mousemove 5 {}", kHeight - 5)); }
+  void rest() const { xdotool(fmt::format("mousemove 2 {}", kHeight / 2)); }
 
   // Until the line of figures that comes every second says so.
   Json wait(const std::string& what, const std::function<bool(const Json&)>& is) {
