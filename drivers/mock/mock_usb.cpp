@@ -446,7 +446,10 @@ Result<MockTarget> mock_of_target(std::string_view target, bool for_output) {
     std::string known;
     for (const DriverInfo* one : drivers())
       if (one->make_model != nullptr) known += fmt::format("{}mock:{}", known.empty() ? "" : ", ", one->id);
-    return fail(ErrorCode::kBadInput, "mock:{}: expected one of {}, followed by /NAME to use several", target, known);
+    return fail(ErrorCode::kBadInput,
+                "mock:{}: expected one of {}, followed by /NAME to use several; or an input that plays a pattern: "
+                "mock:chase, mock:full, mock:sine",
+                target, known);
   }
   const std::string key =
       fmt::format("{}/{}", driver->id, name.empty() ? (for_output ? ":output" : ":input") : std::string(name));

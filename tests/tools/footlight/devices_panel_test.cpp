@@ -49,6 +49,7 @@ class Ui {
     input.status = status;
     input.now_ns = now_ns += kNsPerS / 60;
     input.outputs = outputs;
+    input.inputs = inputs;
     ImGui::NewFrame();
     if (logs) ImGui::LogToClipboard();
     open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
@@ -100,6 +101,7 @@ class Ui {
   UiPanels open;
   std::vector<std::uint8_t> levels;
   OutputsView* outputs;
+  InputsView* inputs = nullptr;
   const PumpStatus* status = nullptr;
   TimeNs now_ns = kNsPerS;
   bool logs = false;
@@ -229,7 +231,7 @@ TEST_CASE("interfaces that are plugged in are listed with their fix, and a click
   Ui ui(&view);
   CHECK(view.looks);
   const std::string words = ui.words();
-  for (const char* part : {"There are none", "enttec-pro:EN1", "ready", "udmx:port-1", "sudo something", "universe"}) {
+  for (const char* part : {"There are none", "enttec-pro:EN1", "ready", "udmx:port-1", "sudo something", "Universes"}) {
     INFO(part);
     CHECK(has(words, part));
   }
@@ -240,6 +242,173 @@ TEST_CASE("interfaces that are plugged in are listed with their fix, and a click
   CHECK(view.add == "enttec-pro:EN1=3");
   view.refusal = "enttec-pro:EN1=3: it is in the list already";
   CHECK(has(ui.words(), "in the list already"));
+}
+
+TEST_CASE("one click adds a made-up input, and another one removes it") {
+  OutputsView view;
+  InputsView made_up;
+  Ui ui(&view);
+  ui.inputs = &made_up;
+  CHECK(has(ui.words(), "or made up:"));
+  REQUIRE(ui.click_over(Ui::body(), false, [&] { return made_up.add.has_value(); }));
+  CHECK(made_up.add == "mock:chase");
+  made_up.add.reset();
+
+  made_up.inputs = made_up.made_up = {"mock:chase"};
+  const std::string words = ui.words();
+  CHECK(has(words, "MADE UP: mock:chase"));
+  CHECK(!has(words, "add chase"));  // it is there
+  CHECK(has(words, "add sine"));
+  REQUIRE(ui.click_over(Ui::body(), false, [&] { return made_up.remove.has_value(); }));
+  CHECK(made_up.remove == "mock:chase");
+}
+
+TEST_CASE("a made-up input that must not be added says why, and no click adds it") {
+  OutputsView view;
+  InputsView made_up;
+  made_up.why_not = "A log drives the rig; start the window without it to add inputs.";
+  Ui ui(&view);
+  ui.inputs = &made_up;
+  CHECK(has(ui.words(), "A log drives the rig"));
+  CHECK(!ui.click_over(Ui::body(), false, [&] { return made_up.add.has_value(); }));
+}
+
+TEST_CASE("an endpoint that is typed becomes an input, or an output, with Enter") {
+  OutputsView view;
+  InputsView inputs;
+  Ui ui(&view);
+  ui.inputs = &inputs;
+  ImGuiIO& io = ImGui::GetIO();
+  const auto enter = [&] {
+    io.KeyMap[ImGuiKey_Enter] = 1;
+    io.KeysDown[1] = true;
+    ui.frame();
+    io.KeysDown[1] = false;
+    ui.frame();
+  };
+  // The fields, from above: a click into one takes the keyboard.
+  const auto type_into_field = [&](ImGuiID before, const char* text) -> ImGuiID {
+    ImGuiID field = 0;
+    CHECK(ui.click_over(Ui::body(), false, [&] {
+      inputs.add.reset();  // a button
+      view.add.reset();
+      field = ImGui::GetActiveID();
+      return field != 0 && field != before && ImGui::GetInputTextState(field) != nullptr;
+    }));
+    io.AddInputCharactersUTF8(text);
+    ui.frame();
+    enter();
+    return field;
+  };
+  const ImGuiID first = type_into_field(0, "sacn:1-2");
+  CHECK(inputs.add == "sacn:1-2");
+  CHECK(!view.add);
+  (void)type_into_field(first, "sacn:2%lo");
+  CHECK(view.add == "sacn:2%lo");
+  CHECK(!inputs.add);
+  inputs.refusal = "sacn:1-2: no such thing";
+  view.refusal = "sacn:2%lo: it is in the list already";
+  const std::string words = ui.words();
+  CHECK(has(words, "no such thing"));
+  CHECK(has(words, "in the list already"));
+  CHECK(inputs.add == std::nullopt);
+}
+
+TEST_CASE("a made-up interface is one click away, and is called so in its row and in the question") {
+  OutputsView view;
+  view.universes = {3, 5};
+  InputsView made_up;
+  made_up.made_up = {"mock:sine"};
+  Ui ui(&view);
+  REQUIRE(ui.click_over(Ui::body(), false, [&] { return view.add.has_value(); }));
+  CHECK(view.add == "mock:enttec-pro=3");
+  view.rows.resize(1);
+  view.rows[0].endpoint = "mock:enttec-pro=3";
+  view.rows[0].universes = {3};
+  view.rows[0].made_up = true;
+  const std::string words = ui.words();
+  CHECK(has(words, "mock:enttec-pro=3 (made up)"));
+  CHECK(!has(words, "No interface at hand"));
+  view.rows[0].state = ArmState::kArmed;
+  CHECK(live_words(view) == "LIVE: 1 output (made up)");
+  view.rows.push_back(view.rows[0]);
+  view.rows[1].made_up = false;
+  CHECK(live_words(view) == "LIVE: 2 outputs");
+  view.rows[0].state = view.rows[1].state = ArmState::kOff;
+  ui.inputs = &made_up;
+  REQUIRE(ui.click_over(Ui::body(), false, [] { return Ui::asks(); }));
+  for (int i = 0; i < 2; ++i) ui.frame();
+  const std::string question = ui.words();
+  CHECK(has(question, "no lamp gets it"));
+  CHECK(has(question, "A made-up input moves them: mock:sine"));
+}
+
+TEST_CASE("a tag over the picture says what is made up, below the band of outputs") {
+  const testing::HeadlessImGui imgui(800, 600);
+  InputsView made_up;
+  // The place of what is drawn, or nothing.
+  const auto tag = [&](float y) {
+    ImGui::NewFrame();
+    draw_made_up_tag(made_up, 536, y);
+    ImRect place(1e6f, 1e6f, -1e6f, -1e6f);
+    for (const ImDrawVert& vertex : ImGui::GetForegroundDrawList()->VtxBuffer) place.Add(vertex.pos);
+    ImGui::Render();
+    return place;
+  };
+  CHECK(tag(0).Max.x < 0);
+  CHECK(made_up_words(made_up).empty());
+  made_up.inputs = made_up.made_up = {"mock:chase"};
+  CHECK(made_up_words(made_up) == "MADE UP: mock:chase");
+  CHECK(tag(30).Min.y == doctest::Approx(30));
+  CHECK(tag(30).GetCenter().x == doctest::Approx(268).epsilon(0.01));
+  CHECK(tag(30).GetWidth() > 100);
+  made_up.made_up.push_back("mock:sine");
+  CHECK(made_up_words(made_up) == "MADE UP: 2 inputs");
+}
+
+TEST_CASE("an interface or an output that is dragged to a universe is patched to it") {
+  OutputsView view;
+  view.universes = {3, 5, 8};
+  view.devices.resize(1);
+  view.devices[0] = {"enttec-pro:EN1", "ENTTEC DMX USB Pro", "ready", "", true};
+  view.rows.resize(2);
+  view.rows[0].endpoint = "enttec-pro:EN2=3";
+  view.rows[0].universes = {3};
+  view.rows[0].can_move = true;
+  view.rows[1].endpoint = "sacn:3";
+  view.rows[1].universes = {3};
+  Ui ui(&view);
+  ImGuiIO& io = ImGui::GetIO();
+  // Presses at one place, moves to the other and lets go there.
+  const auto drag = [&](ImVec2 from, ImVec2 to) {
+    io.MousePos = from;
+    ui.frame();
+    io.MouseDown[0] = true;
+    ui.frame();
+    io.MousePos = {(from.x + to.x) / 2, (from.y + to.y) / 2};
+    for (int i = 0; i < 2; ++i) ui.frame();
+    io.MousePos = to;
+    for (int i = 0; i < 2; ++i) ui.frame();
+    io.MouseDown[0] = false;
+    for (int i = 0; i < 2; ++i) ui.frame();
+  };
+  const ImRect body = Ui::body();
+  // From every row of the panel to every row below, since the test has no places of names and universes.
+  bool added = false;
+  bool moved = false;
+  for (float from = body.Min.y; from < body.Max.y && !(added && moved); from += 8) {
+    for (float to = from + 20; to < body.Max.y && !(added && moved); to += 8) {
+      view.add.reset();
+      view.move.reset();
+      drag({body.Min.x + 30, from}, {body.Min.x + 24, to});
+      if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);
+      added = added || view.add == "enttec-pro:EN1=3";
+      moved = moved || (view.move && view.move->row == 0 && view.move->to == 3);
+      CHECK(!(view.move && view.move->row == 1));  // its endpoint names its universes
+    }
+  }
+  CHECK(added);
+  CHECK(moved);
 }
 
 TEST_CASE("the band names what is live, and a blackout") {

@@ -8,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include "sim/pattern.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/preview/live_levels.h"
 
@@ -84,6 +85,18 @@ struct Live {
     REQUIRE(levels->stamps()[index].revision >= count);
   }
 };
+
+TEST_CASE("a source that is added while levels are received gives its own, and keeps the others") {
+  Live live({7, 9, 11});
+  live.source->give(7, 50);
+  live.wait_for(0, 1);
+  CHECK(!live.levels->fed(11));
+  live.levels->add(std::make_unique<PatternSource>("mock:full", Pattern::kFull, every_slot({11})));
+  CHECK(live.levels->fed(11));
+  live.wait_for(2, 1);
+  CHECK(live.levels->levels()[0] == 50);
+  CHECK(live.levels->levels()[2 * kSlotCountMax] == 255);
+}
 
 TEST_CASE("received levels are at the place of their universe in the rig") {
   Live live({2, 7});

@@ -293,6 +293,7 @@ TEST_CASE("outputs that cannot be meant are refused before the window opens, wit
   CHECK(has(refusal({"nonsense:1"}), "nonsense"));
   CHECK(has(refusal({"gpio:mock/2=1.25"}), "this is an input"));
   CHECK(has(refusal({"osc:8000"}), "this is an input"));
+  CHECK(has(refusal({"mock:chase=1"}), "this is an input"));
   CHECK(has(refusal({"audio:mock=1.25"}), "this is an input"));
   CHECK(has(refusal({"vrsl:1-2@window"}), "footlight run"));
   CHECK(has(refusal({"sacn:1", "sacn:1"}), "named twice"));
@@ -331,6 +332,35 @@ TEST_CASE("an output is added while others are armed, and is not armed itself") 
   CHECK(!window.outputs->add(unknown));
   window.view.arm = {1};
   CHECK(window.until(30, [&] { return window.wires[1]->last() == 30 && window.wires[0]->last() == 30; }));
+}
+
+TEST_CASE("a device with one connector gets another universe while it is off, and only then") {
+  const auto moved = [](const char* text) { return moved_endpoint(parse_port(text).value(), 2).value_or(""); };
+  CHECK(moved("enttec-pro") == "enttec-pro=2");
+  CHECK(moved("enttec-pro:EN1=1") == "enttec-pro:EN1=2");
+  CHECK(moved("mock:enttec-pro/A=1") == "mock:enttec-pro/A=2");
+  CHECK(moved("enttec-pro:EN1=1,2").empty());
+  CHECK(moved("sacn:1").empty());
+  CHECK(moved("log:a=1").empty());
+
+  Window window({"sacn:1-2", "enttec-pro=1"});
+  CHECK(window.view.rows[1].can_move);
+  CHECK(!window.view.rows[0].can_move);
+  const auto planned = [](const char* text) {
+    return plan_outputs(std::vector<std::string>{text}, scene_of(kUiRig)).value().outputs[0];
+  };
+  REQUIRE(window.outputs->replace(1, planned("enttec-pro=2")));
+  window.picture(9);
+  CHECK(window.view.rows[1].endpoint == "enttec-pro=2");
+  CHECK(window.view.rows[1].universes == std::vector<Universe>{2});
+  CHECK(!window.outputs->replace(1, planned("sacn:1-2")));  // it is there already
+  window.view.arm = {1};
+  REQUIRE(window.until(50, [&] { return window.armed(1); }));
+  CHECK(!window.view.rows[1].can_move);
+  const Status refused = window.outputs->replace(1, planned("enttec-pro=1"));
+  REQUIRE(!refused);
+  CHECK(refused.error().message.find("disarm it") != std::string::npos);
+  CHECK(window.view.rows[1].endpoint == "enttec-pro=2");
 }
 
 TEST_CASE("devices that are plugged in can be outputs only if they are ready and have one") {

@@ -445,6 +445,54 @@ TEST_CASE("a click on the timeline seeks to the time under it, and a slow seek w
   CHECK(ui.frame() > 0);
 }
 
+TEST_CASE("a click on a marker goes to its time, and the right button names and deletes it") {
+  const auto rig = compiled_rig(parsed_rig(kUiRig));
+  HeadlessUi ui(rig);
+  Transport transport;
+  transport.duration_ns = transport.known_ns = 1'000 * kNsPerS;
+  ui.transport = &transport;
+  ui.desk.start_markers({{250 * kNsPerS, "Verse"}, {995 * kNsPerS, "End of it all"}});
+  ui.show(kTimeline);
+  const auto went = [&] { return transport.seek_ns == 250 * kNsPerS || transport.seek_ns == 995 * kNsPerS; };
+  // The panel is 900 wide in the middle of 1280; its contents begin 12 from its edge.
+  const ImVec2 verse = ui.click_down(202 + 0.25f * 876 + 20, 560, 640, went);
+  REQUIRE(verse.x > 0);
+  CHECK(transport.seek_ns == 250 * kNsPerS);
+  // The name at the right end stands on the left of its time.
+  ui.click(202 + 0.995f * 876 - 40, verse.y);
+  CHECK(transport.seek_ns == 995 * kNsPerS);
+
+  ImGuiIO& io = ImGui::GetIO();
+  const auto right_click = [&] {
+    io.MousePos = verse;
+    ui.frame();
+    io.MouseDown[1] = true;
+    ui.frame();
+    io.MouseDown[1] = false;
+    for (int i = 0; i < 3; ++i) ui.frame();
+  };
+  const auto enter = [&](const char* text) {
+    io.AddInputCharactersUTF8(text);
+    ui.frame();
+    io.KeyMap[ImGuiKey_Enter] = 1;
+    io.KeysDown[1] = true;
+    ui.frame();
+    io.KeysDown[1] = false;
+    ui.frame();
+  };
+  right_click();
+  enter("Chorus");
+  CHECK(ui.desk.state().markers[0].name == "Chorus");
+  CHECK(ui.desk.undo() == "name the marker Chorus");
+  CHECK(ui.desk.state().markers[0].name == "Verse");
+  right_click();
+  // The button is below the field.
+  const ImVec2 gone =
+      ui.click_down(verse.x + 20, verse.y + 20, 719, [&] { return ui.desk.state().markers.size() == 1; });
+  CHECK(gone.x > 0);
+  CHECK(ui.desk.state().markers[0].name == "End of it all");
+}
+
 TEST_CASE("panels are opened by their words, and a wrong word is refused with the right ones") {
   const auto rig = compiled_rig(parsed_rig(kUiRig));
   UiDesk desk(rig.rig, rig.compiled);

@@ -93,11 +93,24 @@ void Footlight::wait_for(const std::string& text) {
   }
 }
 
-bool Footlight::has_printed(const std::string& text, int times) {
+void Footlight::read_all() {
   bool out_open = out_fd_ >= 0;
   bool err_open = err_fd_ >= 0;
   while ((out_open || err_open) && read_some(out_open, err_open, 0)) {
   }
+}
+
+std::string Footlight::last_line() {
+  read_all();
+  const std::size_t end = outcome_.out.rfind('\n');
+  if (end == std::string::npos || end == 0) return "";
+  const std::size_t before = outcome_.out.rfind('\n', end - 1);
+  const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+  return outcome_.out.substr(begin, end - begin);
+}
+
+bool Footlight::has_printed(const std::string& text, int times) {
+  read_all();
   std::size_t at = 0;
   while (times > 0 && (at = outcome_.out.find(text, at)) != std::string::npos) {
     at += text.size();

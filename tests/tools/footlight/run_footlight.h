@@ -30,6 +30,8 @@ class Footlight {
   void wait_for(const std::string& text);
   // True if standard output contains `text` at least this many times by now. Does not wait.
   bool has_printed(const std::string& text, int times);
+  // The last whole line of standard output by now; empty: none. Does not wait.
+  [[nodiscard]] std::string last_line();
   // Closes the reading end of its standard output.
   void stop_reading();
   void signal(int number);
@@ -37,6 +39,7 @@ class Footlight {
   Outcome wait();
 
  private:
+  void read_all();
   bool read_some(bool& out_open, bool& err_open, int patience_ms);
 
   pid_t pid_ = -1;

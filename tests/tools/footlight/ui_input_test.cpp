@@ -202,7 +202,7 @@ TEST_CASE("a drag between two pictures begins where the button went down and end
   CHECK(moment->x == 110);
   CHECK(moment->y == 120);
   CHECK(moment->down == std::array<bool, 3>{});
-  CHECK(!moment->mods);
+  CHECK(moment->mods == GLFW_MOD_CONTROL);  // a list takes a click at its release, when Ctrl is up already
   moment = mouse.next();
   REQUIRE(moment);
   CHECK(moment->x == 300);

@@ -2,13 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <poll.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <array>
+#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -16,10 +11,9 @@
 #include "drivers/vrsl/grid.h"
 #include "tests/drivers/net/port_helpers.h"
 #include "tests/support/must.h"
+#include "tests/tools/footlight/display.h"
 #include "tests/tools/footlight/run_footlight.h"
 #include "tools/footlight/vrsl/png_pictures.h"
-
-extern char** environ;
 
 namespace footlight::tools {
 namespace {
@@ -30,41 +24,6 @@ using testing::TempFolder;
 
 constexpr int kWidth = 960, kHeight = 104;
 constexpr int kScreenWidth = 1024, kScreenHeight = 128;
-
-// A display; its number comes from Xvfb.
-class Display {
- public:
-  explicit Display(const TempFolder& folder) {
-    std::array<int, 2> ends{};
-    REQUIRE(::pipe(ends.data()) == 0);
-    const std::string number_fd = std::to_string(ends[1]);
-    const std::string screen = fmt::format("{}x{}x24", kScreenWidth, kScreenHeight);
-    const std::string place = folder.path().string();
-    std::vector<std::string> words = {"Xvfb", "-displayfd", number_fd, "-screen", "0", screen, "-fbdir", place};
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    if (::posix_spawnp(&pid_, "Xvfb", nullptr, nullptr, arguments.data(), environ) != 0) pid_ = -1;
-    ::close(ends[1]);
-    std::string number;
-    char letter = 0;
-    while (pid_ > 0 && ::read(ends[0], &letter, 1) == 1 && letter != '\n') number += letter;
-    if (!number.empty()) name_ = ":" + number;
-    ::close(ends[0]);
-  }
-  ~Display() {
-    if (pid_ <= 0) return;
-    ::kill(pid_, SIGTERM);
-    ::waitpid(pid_, nullptr, 0);
-  }
-  Display(const Display&) = delete;
-  Display& operator=(const Display&) = delete;
-  [[nodiscard]] const std::string& name() const { return name_; }
-
- private:
-  pid_t pid_ = -1;
-  std::string name_;  // empty: there is none
-};
 
 // The upper left part of the screen. XWD: a header of big-endian words, a table of colours of 12 bytes each, then rows
 // of 32-bit pixels, blue first.
@@ -94,7 +53,7 @@ bool read_screen(const std::string& path, Picture& picture) {
 
 TEST_CASE("the window shows every pixel of the grid with its own code") {
   const TempFolder folder;
-  const Display display(folder);
+  const testing::Display display(kScreenWidth, kScreenHeight, folder.path().string());
   if (display.name().empty()) {
     MESSAGE("skipped: needs Xvfb; 'sudo apt-get install xvfb'");
     return;

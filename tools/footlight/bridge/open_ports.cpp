@@ -12,6 +12,7 @@
 #include "drivers/rdm/rdm_controller.h"
 #include "drivers/rdm/rdm_directory.h"
 #include "sim/dmx_log/log_ports.h"
+#include "sim/pattern.h"
 #include "tools/demo_show/demo_assets.h"
 #include "tools/footlight/hand/midi_hand.h"
 #include "tools/footlight/hand/osc_hand.h"
@@ -64,6 +65,15 @@ Result<std::vector<Endpoint>> parse_ports(std::span<const std::string> texts) {
     endpoints.push_back(std::move(endpoint));
   }
   return endpoints;
+}
+
+bool plays_pattern(const Endpoint& endpoint) { return endpoint.scheme == "mock" && is_pattern(endpoint.target); }
+
+bool is_made_up(const Endpoint& endpoint) {
+  if (endpoint.scheme == "mock") return true;
+  const bool has_models = endpoint.kind == EndpointKind::kGpio || endpoint.kind == EndpointKind::kControl ||
+                          endpoint.kind == EndpointKind::kPicture || endpoint.scheme == "audio";
+  return has_models && endpoint.target == "mock";
 }
 
 PortOpener::PortOpener(Clock& clock, std::function<bool()> stopping)
@@ -123,6 +133,12 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
                                               log_source_options(options)));
     }
     case EndpointKind::kDevice: {
+      if (plays_pattern(endpoint)) {
+        FL_ASSIGN(const Pattern pattern, pattern_of(endpoint.target));
+        std::vector<Universe> universes = endpoint.show_universes();
+        std::sort(universes.begin(), universes.end());
+        return std::make_unique<PatternSource>(endpoint.text, pattern, every_slot(std::move(universes)));
+      }
       drivers::PortRequest request = device_request(endpoint);
       request.wait_for_device = options.wait_for_device;
       request.receive_on_change = options.receive_on_change;
@@ -218,6 +234,9 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
       return std::unique_ptr<Sink>(std::move(sink));
     }
     case EndpointKind::kDevice: {
+      if (plays_pattern(endpoint)) {
+        return fail(ErrorCode::kBadInput, "{}: a pattern is an input; use --in or [[in]]", endpoint.text);
+      }
       drivers::PortRequest request = device_request(endpoint);
       request.wait_for_device = options.wait_for_device;
       request.blackout_on_exit = options.blackout_on_exit;

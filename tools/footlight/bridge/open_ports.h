@@ -37,6 +37,11 @@ namespace footlight::tools {
 [[nodiscard]] Result<Endpoint> parse_port(std::string_view text);
 [[nodiscard]] Result<std::vector<Endpoint>> parse_ports(std::span<const std::string> texts);  // or the first error
 
+// `mock:chase`, `mock:full`, `mock:sine`: an input that plays a pattern (sim/pattern.h).
+[[nodiscard]] bool plays_pattern(const Endpoint& endpoint);
+// True for models of devices and patterns: nothing outside of this process is behind the port.
+[[nodiscard]] bool is_made_up(const Endpoint& endpoint);
+
 // All optional. Options that do not apply to the kind of endpoint are ignored.
 struct InOptions {
   bool wait_for_device = false;                    // device, gpio: start even if it is not plugged in

@@ -32,7 +32,7 @@ void add(Arguments& arguments) {
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; default: its first one");
   arguments.option("--panels", options->panels, "WORDS",
                    "panels that are open at the start: universes, fixtures, inspector, timeline, devices, library, "
-                   "keys");
+                   "messages, keys");
   arguments.list("--library", options->library, "FOLDER", "definitions of fixtures that can be added, too");
   arguments.option("--select", options->select, "NAME", "fixtures that are selected at the start; * for any text");
   arguments.option("--work-light", options->work_light_lx, 0, 1e6,

@@ -22,7 +22,6 @@ Result<std::unique_ptr<LiveLevels>> LiveLevels::start(std::span<const Universe> 
   std::unique_ptr<LiveLevels> live(new LiveLevels());
   FL_ASSIGN(live->universes_, Universes::make(universes));
   FL_ASSIGN(live->waiter_, drivers::EpollWaiter::make());
-  live->sources_ = std::move(sources);
   PumpOptions options;
   options.on_notice = [self = live.get()](const Notice& notice) {
     const std::lock_guard lock(self->mutex_);
@@ -30,12 +29,10 @@ Result<std::unique_ptr<LiveLevels>> LiveLevels::start(std::span<const Universe> 
     self->notices_.emplace_back(notice.text);
   };
   live->pump_ = std::make_unique<Pump>(*live->universes_, clock, *live->waiter_, options);
-  for (const auto& source : live->sources_) {
+  for (auto& source : sources) {
     live->pump_->add_source(*source);
-    const auto carried = source->universes();
-    live->fed_.insert(live->fed_.end(), carried.begin(), carried.end());
+    live->keep(std::move(source));
   }
-  std::sort(live->fed_.begin(), live->fed_.end());
   live->trail_ = std::make_unique<SnapshotTrail>(*live->universes_);
   live->pump_->add_sink(*live->trail_);
   const auto count = static_cast<std::size_t>(live->universes_->count());
@@ -54,6 +51,18 @@ LiveLevels::~LiveLevels() {
   if (!thread_.joinable()) return;
   thread_.request_stop();
   thread_.join();
+}
+
+void LiveLevels::add(std::unique_ptr<Source> source) {
+  pump_->call([this, added = source.get()] { pump_->add_source(*added); });
+  keep(std::move(source));
+}
+
+void LiveLevels::keep(std::unique_ptr<Source> source) {
+  const auto carried = source->universes();
+  fed_.insert(fed_.end(), carried.begin(), carried.end());
+  std::sort(fed_.begin(), fed_.end());
+  sources_.push_back(std::move(source));
 }
 
 void LiveLevels::take() { universes_->snapshot_changed(levels_, stamps_); }

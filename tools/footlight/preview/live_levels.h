@@ -30,6 +30,9 @@ class LiveLevels {
   LiveLevels(const LiveLevels&) = delete;
   LiveLevels& operator=(const LiveLevels&) = delete;
 
+  // One more source, while the pump runs.
+  void add(std::unique_ptr<Source> source);
+
   // Copies the snapshots that changed since the last call.
   void take();
   // As of the last take(): universes().size() x 512 levels, and a stamp for each.
@@ -50,6 +53,7 @@ class LiveLevels {
 
  private:
   LiveLevels() = default;
+  void keep(std::unique_ptr<Source> source);
 
   std::unique_ptr<Universes> universes_;
   std::unique_ptr<Waiter> waiter_;

@@ -33,8 +33,8 @@ bool ready(const std::future<T>& future) {
 }
 
 Status check_kind(const Endpoint& endpoint) {
-  const bool input =
-      endpoint.kind == EndpointKind::kGpio || endpoint.kind == EndpointKind::kControl || endpoint.scheme == "audio";
+  const bool input = endpoint.kind == EndpointKind::kGpio || endpoint.kind == EndpointKind::kControl ||
+                     endpoint.scheme == "audio" || plays_pattern(endpoint);
   if (input) {
     return fail(ErrorCode::kBadInput, "--output {}: this is an input; use --in, or 'footlight run --in'",
                 endpoint.text);
@@ -58,6 +58,12 @@ Status check_outputs(std::span<const std::string> texts) {
     }
   }
   return {};
+}
+
+std::optional<std::string> moved_endpoint(const Endpoint& endpoint, Universe to) {
+  if (endpoint.kind != EndpointKind::kDevice || endpoint.universes.size() != 1) return std::nullopt;
+  const std::string text = endpoint.text.substr(0, endpoint.text.rfind('='));
+  return fmt::format("{}={}", text, to);
 }
 
 Result<OutputPlan> plan_outputs(std::span<const std::string> texts, const PreviewScene& scene) {
@@ -148,7 +154,7 @@ LiveOutputs::~LiveOutputs() {
   thread_.join();
 }
 
-Status LiveOutputs::add(PlannedOutput planned) {
+Status LiveOutputs::check(const PlannedOutput& planned) const {
   const std::string& text = planned.endpoint.text;
   for (const Output& other : outputs_) {
     if (other.plan.endpoint.text == text) return fail(ErrorCode::kBadInput, "{}: it is in the list already", text);
@@ -160,7 +166,23 @@ Status LiveOutputs::add(PlannedOutput planned) {
         "{}: the rig did not use universe {} when its first output was added; start the window with --output {}", text,
         show_universes(unknown), text);
   }
+  return {};
+}
+
+Status LiveOutputs::add(PlannedOutput planned) {
+  FL_TRY(check(planned));
   outputs_.emplace_back().plan = std::move(planned);
+  return {};
+}
+
+Status LiveOutputs::replace(std::size_t index, PlannedOutput planned) {
+  Output& output = outputs_.at(index);
+  if (output.state != ArmState::kOff) {
+    return fail(ErrorCode::kBadInput, "{}: disarm it before it gets another universe", output.plan.endpoint.text);
+  }
+  FL_TRY(check(planned));
+  output.plan = std::move(planned);
+  output.trouble.clear();
   return {};
 }
 
@@ -197,7 +219,8 @@ void LiveOutputs::take_opened(Output& output) {
     feed_->count_armed(1);
     pump_->add_sink(*sink);
   });
-  note(fmt::format("{}: armed: it sends the levels of the picture to real lamps", name));
+  note(fmt::format("{}: armed: it sends the levels of the picture {}", name,
+                   is_made_up(output.plan.endpoint) ? "to no lamp, since it is made up" : "to real lamps"));
 }
 
 void LiveOutputs::disarm(std::size_t index) {
@@ -242,6 +265,8 @@ void LiveOutputs::follow(OutputsView& view) {
     OutputRow& row = view.rows[i];
     row.endpoint = output.plan.endpoint.text;
     row.universes = output.plan.universes;
+    row.can_move = output.state == ArmState::kOff && moved_endpoint(output.plan.endpoint, 1).has_value();
+    row.made_up = is_made_up(output.plan.endpoint);
     row.left_out = without(output.plan.universes, sendable_);
     row.state = output.state;
     row.trouble = output.trouble;

@@ -17,6 +17,7 @@
 #include <future>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,6 +41,8 @@ struct PlannedOutput {
   Endpoint endpoint;
   std::vector<Universe> universes;  // of the show, ascending; of a log, those of the rig
 };
+// The endpoint of a device with one connector for another universe: "enttec-pro:EN1=3". Nothing: it is none.
+[[nodiscard]] std::optional<std::string> moved_endpoint(const Endpoint& endpoint, Universe to);
 struct OutputPlan {
   std::vector<PlannedOutput> outputs;
   std::vector<Universe> universes;    // of the rig, ascending: outputs for them can be added
@@ -72,6 +75,8 @@ class LiveOutputs {
   // One more output, not armed. kBadInput if it is there already, or carries a universe that the plan of start() did
   // not have.
   Status add(PlannedOutput planned);
+  // Makes an output that is off another one. Errors: those of add(); kBadInput if it is on.
+  Status replace(std::size_t index, PlannedOutput planned);
   // Carries out what the view asks of its rows, and makes it show what is.
   void follow(OutputsView& view);
 
@@ -97,6 +102,7 @@ class LiveOutputs {
   };
 
   LiveOutputs() = default;
+  [[nodiscard]] Status check(const PlannedOutput& planned) const;
   void take_opened(Output& output);
   void note(std::string text);
 

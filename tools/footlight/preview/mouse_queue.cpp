@@ -14,7 +14,9 @@ void MouseQueue::take_move(float x, float y) {
 void MouseQueue::take_button(int button, bool down, int mods) {
   if (button < 0 || button >= static_cast<int>(down_.size())) return;
   newest_down_[static_cast<std::size_t>(button)] = down;
-  if (events_.size() < kEventsMax) events_.push_back({x_, y_, button, down, mods});
+  int& press_mods = press_mods_[static_cast<std::size_t>(button)];
+  if (down) press_mods = mods;
+  if (events_.size() < kEventsMax) events_.push_back({x_, y_, button, down, press_mods});
 }
 
 std::optional<MouseMoment> MouseQueue::next() {
@@ -31,7 +33,7 @@ std::optional<MouseMoment> MouseQueue::next() {
     moment.y = event.y;
     if (event.button < 0) continue;
     down_[static_cast<std::size_t>(event.button)] = event.down;
-    if (event.down) moment.mods = event.mods;
+    moment.mods = event.mods;
     break;
   }
   if (events_.empty()) down_ = newest_down_;  // also what was lost

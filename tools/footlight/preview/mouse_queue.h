@@ -14,7 +14,9 @@ struct MouseMoment {
   float x = 0;
   float y = 0;
   std::array<bool, 3> down{};  // left, right, middle
-  std::optional<int> mods;     // GLFW_MOD_... of a press; nothing: no button went down
+  // GLFW_MOD_... of the press of the button that goes down or up: a click in a list counts at its release, and the key
+  // may be up by then. Nothing: no button moves.
+  std::optional<int> mods;
 };
 
 class MouseQueue {
@@ -44,6 +46,7 @@ class MouseQueue {
   float y_ = 0;
   std::array<bool, 3> down_{};  // as given last
   std::array<bool, 3> newest_down_{};
+  std::array<int, 3> press_mods_{};  // of the last press of each button
 };
 
 }  // namespace footlight::tools

@@ -105,19 +105,17 @@ Status Preview::begin_frame(const PixelRect& where) {
 
 // For other universes. If they cannot be opened, faders drive the rig until an edit after which they can.
 void Preview::open_inputs_again(const PreviewScene& before) {
-  live_timeline_.reset();
-  live_.reset();
+  close_inputs();
   const Status opened = open_levels(true);
   if (opened) {
     hand_.reset();
     return;
   }
-  live_.reset();
-  facts_.status = {};
+  close_inputs();
   hand_ = hand_ ? moved_hand(*hand_, before, *framed_) : std::make_unique<HandLevels>(framed_->rig, framed_->compiled);
   frame_->settle_machine_air(hand_->levels());
   if (outputs_) outputs_->black_out();  // real lamps must not follow faders that nobody has set
-  tell("faders drive the rig, the inputs are closed: " + opened.error().message);
+  tell("faders drive the rig, the inputs are closed: " + opened.error().message, true);
 }
 
 // What drives the fixtures, for framed_ instead of the scene before.
@@ -131,10 +129,11 @@ Status Preview::take_scene(const PreviewScene& before) {
                                                   live_timeline_->now_ns());
       live_timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
       live_timeline_->hold(live_->levels());
+      follow_patterns();
     } else {  // inputs are opened for their universes; senders repeat their levels within seconds
       open_inputs_again(before);
     }
-  } else if (hand_ && !options_.ins.empty()) {
+  } else if (hand_ && !ins_.empty()) {
     open_inputs_again(before);
   } else if (hand_) {
     hand_ = moved_hand(*hand_, before, *framed_);
@@ -176,7 +175,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       facts_.edit_to_frame_ms = static_cast<double>(clock_.now_ns() - made_begun_ns_) * 1e-6;
     } else {
       failed_ = std::exchange(making_scene_, nullptr);
-      tell(made.error().message + "; the picture shows the rig from before");
+      tell(made.error().message + "; the picture shows the rig from before", true);
     }
   }
   const SharedScene& scene = edited_->scene();
@@ -208,7 +207,7 @@ void Preview::save() {
   if (!unsaved() && file.known()) return tell(fmt::format("no edits to save in {}", file.target()));
   const auto report = file.save();
   save_error_ = report ? "" : report.error().message;
-  if (!report) return tell(save_error_);
+  if (!report) return tell(save_error_, true);
   saved_revision_ = desk_->state().revision;
   autosave_->forget();
   std::string news = fmt::format("saved {}", std::filesystem::absolute(report->path).string());
@@ -220,7 +219,7 @@ void Preview::save() {
 // Once a picture: the copy for a crash, and the title.
 void Preview::keep_edits() {
   if (const auto error = autosave_->step(clock_.now_ns(), desk_->state().revision, unsaved())) {
-    tell("no automatic copy of the edits: " + error->message);
+    tell("no automatic copy of the edits: " + error->message, true);
   }
   std::string title = fmt::format("{}{} - Footlight", unsaved() ? "* " : "", framed_->rig.name);
   if (title == title_) return;

@@ -59,6 +59,13 @@ void Preview::print_second() {
   nlohmann::json line = figures_of(facts_, times_, ui_times_, frame_->settings());
   line["event"] = "frames";
   line["fps"] = facts_.fps;
+  line["selected"] = desk_->state().selection.fixtures.size();
+  line["taken_over"] = desk_->state().taken.size();
+  line["fixtures"] = desk_->rig().fixtures.size();
+  line["unsaved"] = unsaved();
+  line["inputs"] = ins_;
+  line["outputs_live"] = outputs_view_.live_count();
+  line["blackout"] = outputs_view_.darkness != Darkness::kNone;
   if (player_) line["time_ns"] = player_->now_ns();
   if (player_ && player_->index() != nullptr) line["indexed_ns"] = player_->index()->known_ns();
   fmt::print("{}\n", line.dump());
@@ -104,7 +111,8 @@ void Preview::write_own_shot() {
     return fail(ErrorCode::kIo, "there are {} screenshots in this folder; move some of them", kShotsMax);
   };
   const Result<std::string> path = write();
-  tell(path ? fmt::format("saved {}", (std::filesystem::current_path() / *path).string()) : path.error().message);
+  if (!path) return tell(path.error());
+  tell(fmt::format("saved {}", (std::filesystem::current_path() / *path).string()));
 }
 
 }  // namespace footlight::tools

@@ -1,7 +1,9 @@
 // What lies over the picture of the preview, and what mouse, keys and menus do.
 #include <algorithm>
+#include <ctime>
 #include <utility>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <imgui/imgui.h>
@@ -12,6 +14,7 @@
 #include "tools/footlight/preview/ui/menu.h"
 #include "tools/footlight/preview/ui/rig_editor.h"
 #include "tools/footlight/preview/ui/stage_marks.h"
+#include "tools/footlight/preview/ui/toasts.h"
 
 namespace footlight::tools {
 namespace {
@@ -20,7 +23,6 @@ constexpr DurationNs kSeekStepNs = 5 * kNsPerS;
 constexpr double kExposureStepEv = 0.25;
 constexpr double kOrbitRad = 3;   // per drag over the height of the window
 constexpr float kClickUnits = 4;  // a press that moves less is a click
-constexpr DurationNs kNewsNs = 4 * kNsPerS;
 
 }  // namespace
 
@@ -64,6 +66,8 @@ void Preview::draw_ui() {
     if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
     input.outputs = &outputs_view_;
+    input.inputs = &inputs_view_;
+    input.messages = &messages_;
     input.now_ns = clock_.now_ns();
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
@@ -84,8 +88,11 @@ void Preview::draw_ui() {
   show_exposure();
   draw_questions();
   if (std::string news = desk_->take_news(); !news.empty()) tell(std::move(news));
-  if (begun_ns < news_until_ns_) draw_news(news_, where, window_->ui_scale());
-  if (outputs_) draw_live_band(outputs_view_, static_cast<float>(where.size.x), window_->ui_scale());
+  draw_toasts(messages_, begun_ns, {static_cast<float>(where.size.x), static_cast<float>(where.size.y)},
+              window_->ui_scale());
+  const auto width = static_cast<float>(where.size.x);
+  const float below = outputs_ ? draw_live_band(outputs_view_, width, window_->ui_scale()) : 0;
+  draw_made_up_tag(inputs_view_, width, below);
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
   window_->end_ui();
   ui_times_.add(static_cast<double>(clock_.now_ns() - begun_ns) * 1e-6);
@@ -186,6 +193,14 @@ void Preview::call(const UiCall& call) {
     case UiAction::kRepeatFrom: controls_.transport.repeat_from(controls_.transport.now_ns); break;
     case UiAction::kRepeatTo: controls_.transport.repeat_to(controls_.transport.now_ns); break;
     case UiAction::kRepeatAll: controls_.transport.repeat_all(); break;
+    case UiAction::kMark: mark_time(); break;
+    case UiAction::kMarkerBack: go_to_marker(marker_before(desk_->state().markers, marker_start_ns(true))); break;
+    case UiAction::kMarkerOn: go_to_marker(marker_after(desk_->state().markers, marker_start_ns(false))); break;
+    case UiAction::kMarker:
+      if (const auto index = static_cast<std::size_t>(call.argument); index < desk_->state().markers.size()) {
+        go_to_marker(&desk_->state().markers[index]);
+      }
+      break;
     case UiAction::kSidePanel:
       controls_.panel = controls_.panel == PanelState::kFull    ? PanelState::kStrip
                         : controls_.panel == PanelState::kStrip ? PanelState::kHidden
@@ -232,9 +247,10 @@ void Preview::show_exposure() {
   controls_.auto_exposure = desk_->state().exposure.automatic;
 }
 
-void Preview::tell(std::string news) {
-  news_ = std::move(news);
-  news_until_ns_ = clock_.now_ns() + kNewsNs;
+// wrong: an error, which is shown longer and in red.
+void Preview::tell(std::string news, bool wrong) {
+  messages_.add(std::move(news), wrong, fmt::format("{:%H:%M:%S}", fmt::localtime(std::time(nullptr))),
+                clock_.now_ns());
 }
 
 }  // namespace footlight::tools

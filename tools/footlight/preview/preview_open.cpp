@@ -59,6 +59,7 @@ Status Preview::open_device() {
 Status Preview::set_controls(const fixtures::Camera& camera) {
   desk_ = std::make_unique<UiDesk>(framed_->rig, framed_->compiled);
   start_edits();
+  open_markers();
   desk_->list_definitions_in(fixtures::definition_folders(options_.library, edited_->file().target()));
   desk_->start_view(OrbitCamera(camera), {static_cast<float>(camera.exposure_ev), options_.display.auto_exposure});
   show_exposure();
@@ -177,25 +178,23 @@ Status Preview::show_progress(const char* what) {
   return {};
 }
 
-// again: while it runs, when a device that is unplugged is no reason to stop.
+Status Preview::start_live(std::vector<std::unique_ptr<Source>> sources) {
+  FL_ASSIGN(live_, LiveLevels::start(framed_->compiled.universes, std::move(sources), clock_));
+  live_timeline_ =
+      std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_), clock_.now_ns());
+  live_timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
+  return {};
+}
+
+// again: as of open_input().
 Status Preview::open_levels(bool again) {
-  if (!options_.ins.empty()) {
+  if (!ins_.empty()) {
     std::vector<std::unique_ptr<Source>> sources;
-    for (const std::string& text : options_.ins) {
-      FL_ASSIGN(const Endpoint endpoint, parse_port(text));
-      InOptions in;
-      in.hear_preview = true;  // such frames are meant for visualisers like this one
-      in.yields = true;        // a bridge keeps its unicast frames
-      in.wait_for_device = again;
-      const std::lock_guard lock(opener_mutex_);
-      FL_ASSIGN(std::unique_ptr<Source> source, opener_.open_source(endpoint, in));
+    for (const std::string& text : ins_) {
+      FL_ASSIGN(std::unique_ptr<Source> source, open_input(text, again));
       sources.push_back(std::move(source));
     }
-    FL_ASSIGN(live_, LiveLevels::start(framed_->compiled.universes, std::move(sources), clock_));
-    live_timeline_ =
-        std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_), clock_.now_ns());
-    live_timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
-    return {};
+    return start_live(std::move(sources));
   }
   FL_ASSIGN(log_, open_scene_log(options_.files));
   if (log_) {

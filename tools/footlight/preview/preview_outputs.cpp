@@ -42,6 +42,15 @@ Status Preview::open_outputs(std::span<const std::string> texts) {
   return {};
 }
 
+Status Preview::move_output(const OutputsView::Move& move) {
+  if (!outputs_ || move.row >= outputs_view_.rows.size()) return {};
+  FL_ASSIGN(const Endpoint endpoint, parse_port(outputs_view_.rows[move.row].endpoint));
+  const auto text = moved_endpoint(endpoint, move.to);
+  if (!text || *text == endpoint.text) return {};
+  FL_ASSIGN(OutputPlan plan, plan_outputs({&*text, 1}, *edited_->scene()));
+  return outputs_->replace(move.row, std::move(plan.outputs.front()));
+}
+
 // Once a picture, also while it stands still: the levels that it shows, and what the user asks for.
 void Preview::drive_outputs() {
   // While a frame of an edited rig is being made, the levels are still in the places of the rig from before.
@@ -58,18 +67,22 @@ void Preview::drive_outputs() {
     const Status added = open_outputs({&*endpoint, 1});
     outputs_view_.refusal = added ? "" : added.error().message;
   }
+  if (const auto move = std::exchange(outputs_view_.move, std::nullopt)) {
+    const Status moved = move_output(*move);
+    outputs_view_.refusal = moved ? "" : moved.error().message;
+  }
   if (!outputs_) return;
   if (live_) live_->take();
   const auto levels = panel_levels();
   outputs_->give(desk_->compiled().universes, levels, sendable);
   outputs_->follow(outputs_view_);
   if (picture_ns_ >= 0 && !std::exchange(outputs_told_, true)) {
-    tell(fmt::format("{} to real lamps, not armed: F6", counted(outputs_view_.rows.size(), "output")));
+    tell(fmt::format("{}, not armed: F6", counted(outputs_view_.rows.size(), "output")));
   }
   for (std::string& notice : outputs_->notices()) {
     // Without exceptions, since standard error may be gone: outputs go on.
     std::fputs(("footlight: " + notice + "\n").c_str(), stderr);
-    tell(notice);
+    tell(notice, notice.starts_with("not armed"));
     outputs_view_.notice = std::move(notice);
   }
 }

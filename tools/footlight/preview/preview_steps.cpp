@@ -42,7 +42,7 @@ LogPlayer::Driven Preview::driven() {
 Status Preview::work_at_index() {
   if (picture_ns_ < 0) return {};  // the first picture comes first
   FL_TRY(player_->work_at_index(controls_.transport.playing ? kIndexNs : kIndexPausedNs, driven()));
-  if (std::string news = player_->take_news(); !news.empty()) tell(std::move(news));
+  if (std::string news = player_->take_news(); !news.empty()) tell(std::move(news), true);
   if (player_->index() == nullptr || !panels_.any_open()) return {};
   if (!curve_) curve_.emplace(framed_->rig, RigIndex(framed_->rig, framed_->compiled));
   extend(*curve_, *player_->index());

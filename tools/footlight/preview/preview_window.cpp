@@ -80,6 +80,7 @@ Status Preview::turn() {
   FL_TRY(window_->wait_gpu());
   if (std::exchange(shot_taken_, false)) write_own_shot();
   keep_edits();
+  keep_markers();
   const PixelRect where = place();
   FL_ASSIGN(const bool still, follow_edits(where));
   if (still) {
@@ -107,6 +108,7 @@ Status Preview::turn() {
     FL_TRY(rebuild(where));
   }
   FL_TRY(update_error());
+  follow_inputs();
   FL_TRY(step_levels(dt_ns));
   drive_outputs();
   frame_->adapt_for(dt_ns);    // also while the log is paused
@@ -201,6 +203,7 @@ Status Preview::read_figures(DurationNs dt_ns) {
       facts_.status = live_->status();
       for (std::string& notice : live_->notices()) {
         if (!options_.json) fmt::print(stderr, "footlight: {}\n", notice);
+        tell(notice);
         facts_.notice = std::move(notice);
       }
     }

@@ -18,6 +18,7 @@
 #include "render/frame.h"
 #include "render/live_error.h"
 #include "render/quality.h"
+#include "sim/pattern.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/edit/autosave.h"
@@ -32,6 +33,8 @@
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
 #include "tools/footlight/preview/ui/keys.h"
+#include "tools/footlight/preview/ui/inputs_view.h"
+#include "tools/footlight/preview/ui/messages.h"
 #include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/questions.h"
@@ -45,7 +48,7 @@ namespace footlight::tools {
 class Preview {
  public:
   // The options outlive this.
-  explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_) {}
+  explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_), ins_(options.ins) {}
 
   // Until the window is closed.
   Result<int> run();
@@ -83,15 +86,32 @@ class Preview {
   void give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure);
   [[nodiscard]] std::span<const std::uint8_t> panel_levels();
   [[nodiscard]] static std::optional<fixtures::VrslReplay> vrsl_replay(const PreviewScene& scene);
-  // True if neither a log nor an input drives the rig.
+  // True if neither a log nor an input drove the rig at the start.
   [[nodiscard]] bool by_hand() const {
     return options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
   }
 
+  // Markers of the log: preview_markers.cpp.
+  void open_markers();
+  void mark_time();
+  [[nodiscard]] TimeNs marker_start_ns(bool back) const;
+  void go_to_marker(const Marker* marker);
+  void keep_markers();
+
   // Outputs to real lamps: preview_outputs.cpp.
   Status open_outputs(std::span<const std::string> texts);
+  Status move_output(const OutputsView::Move& move);
   void drive_outputs();
   bool call_outputs(const UiCall& call);
+
+  // Inputs that come and go: preview_inputs.cpp.
+  Status start_live(std::vector<std::unique_ptr<Source>> sources);
+  Result<std::unique_ptr<Source>> open_input(const std::string& text, bool again);
+  void follow_patterns();
+  void follow_inputs();
+  Status add_input(const std::string& text);
+  void remove_input(const std::string& text);
+  void close_inputs();
 
   // Edits of the rig: preview_edits.cpp.
   void start_edits();
@@ -117,7 +137,8 @@ class Preview {
   void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);
   void expose(double steps_ev);
   void show_exposure();
-  void tell(std::string news);
+  void tell(std::string news, bool wrong = false);
+  void tell(const Error& error) { tell(error.message, true); }
   [[nodiscard]] PixelRect place() const;
   [[nodiscard]] StagePlace stage() const;
   [[nodiscard]] const StagePick& pick();
@@ -144,11 +165,18 @@ class Preview {
   std::unique_ptr<LiveLevels> live_;
   std::unique_ptr<Timeline> live_timeline_;
   std::unique_ptr<HandLevels> hand_;
+  std::vector<std::string> ins_;          // endpoints of live_; with hand_: those that could not be opened
+  std::vector<PatternSource*> patterns_;  // of live_
+  InputsView inputs_view_;
+  std::unique_ptr<HandLevels> resting_hand_;  // from before the first input that was added, of resting_scene_
+  SharedScene resting_scene_;
 
   std::unique_ptr<LiveOutputs> outputs_;  // null: there are none
   OutputsView outputs_view_;
   bool outputs_told_ = false;        // that there are some, with the first picture
   TimeNs looked_ns_ = 0;             // for devices that are plugged in
+  std::string markers_path_;         // empty: they are not saved
+  Markers saved_markers_;            // as the file has them
   std::optional<LightCurve> curve_;  // of the log, from the moments of its index
 
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
@@ -193,8 +221,7 @@ class Preview {
   bool selects_more_ = false;               // Ctrl or Shift was held at the last press
   bool shot_asked_ = false;                 // the next picture is kept
   bool shot_taken_ = false;
-  std::string news_;
-  TimeNs news_until_ns_ = 0;
+  MessageLog messages_;
   FrameTimes ui_times_;
   PreviewControls controls_;
   PreviewFacts facts_;

@@ -50,6 +50,11 @@ std::vector<UiActionItem> action_items(const UiDesk& desk, bool has_log, const O
                      fmt::format("panel {}: {}", panel.title, panel.shows),
                      panel.key_text});
   }
+  for (std::size_t i = 0; has_log && i < desk.state().markers.size(); ++i) {
+    const Marker& marker = desk.state().markers[i];
+    items.push_back(
+        {{UiAction::kMarker, static_cast<int>(i)}, fmt::format("marker {}", marker.name), time_text(marker.at_ns)});
+  }
   return items;
 }
 

@@ -1,6 +1,7 @@
 // Inputs and outputs: what they receive and send, what is wrong with them, and the buttons that arm outputs.
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <optional>
 #include <string>
 
@@ -9,6 +10,7 @@
 #include <imgui/imgui.h>
 
 #include "sim/core/counted.h"
+#include "sim/pattern.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/status/status_text.h"
@@ -16,7 +18,11 @@
 namespace footlight::tools {
 namespace {
 
-constexpr std::size_t kAll = SIZE_MAX;  // of the question
+constexpr std::size_t kAll = SIZE_MAX;            // of the question
+constexpr const char* kDeviceDrag = "interface";  // its endpoint without a universe
+constexpr const char* kOutputDrag = "output";     // its row
+constexpr std::size_t kChipsMax = 128;
+constexpr const char* kModel = "mock:enttec-pro";  // of an interface, inside the program
 
 const ImVec4 kUiText{0.86f, 0.87f, 0.89f, 1};
 
@@ -65,10 +71,13 @@ class DevicesPanel final : public Panel {
   void draw(UiDesk&, const UiInput& input) override {
     ui_text(kUiAmber, "Inputs");
     draw_inputs(input);
+    if (input.inputs != nullptr) draw_more_inputs(*input.inputs, input.scale);
     ImGui::Dummy({0, 4 * input.scale});
     ui_text(kUiAmber, "Outputs to real lamps");
     if (input.outputs == nullptr) return;
     draw_all_outputs(input);
+    if (const auto asked = draw_field("output", "enttec-pro=1", output_text_)) input.outputs->add = asked;
+    if (!input.outputs->refusal.empty()) wrapped(kUiRed, input.outputs->refusal);
     ImGui::Dummy({0, 4 * input.scale});
     ui_text(kUiAmber, "Plugged in");
     input.outputs->looks = true;
@@ -79,7 +88,7 @@ class DevicesPanel final : public Panel {
   void draw_all_outputs(const UiInput& input) {
     if (input.outputs->rows.empty()) {
       asks_.reset();
-      wrapped(kUiDim, "There are none. `footlight preview RIG --output ENDPOINT` adds one.");
+      wrapped(kUiDim, "There are none. What is added here, or with --output ENDPOINT, is armed by hand.");
       return;
     }
     draw_buttons(*input.outputs, input.scale);
@@ -127,6 +136,49 @@ class DevicesPanel final : public Panel {
     for (const PortStatus& port : input.status->ports) {
       if (!port.is_sink) draw_trouble(port, input.status->stamp_ns != 0);
     }
+  }
+
+  // How to be rid of inputs, and fields for more; patterns, for who has no console, each with a button.
+  void draw_more_inputs(InputsView& view, float scale) {
+    const auto is_on = [](const std::vector<std::string>& list, const std::string& endpoint) {
+      return std::find(list.begin(), list.end(), endpoint) != list.end();
+    };
+    for (const std::string& endpoint : view.inputs) {
+      const bool made_up = is_on(view.made_up, endpoint);
+      ImGui::PushID(endpoint.c_str());
+      ui_text(made_up ? kUiAmber : kUiDim, made_up ? "MADE UP: " + endpoint : endpoint);
+      ImGui::SameLine();
+      if (ImGui::SmallButton("remove")) view.remove = endpoint;
+      ImGui::PopID();
+    }
+    ImGui::BeginDisabled(!view.why_not.empty());
+    if (const auto asked = draw_field("input", "sacn:1-9", input_text_)) view.add = asked;
+    ImGui::SameLine(0, 16 * scale);
+    ui_text(kUiDim, "or made up:");
+    for (const std::string_view word : kPatternWords) {
+      const std::string endpoint = fmt::format("mock:{}", word);
+      if (is_on(view.inputs, endpoint)) continue;
+      ImGui::SameLine(0, 8 * scale);
+      if (ImGui::SmallButton(fmt::format("add {}", word).c_str())) view.add = endpoint;
+    }
+    ImGui::EndDisabled();
+    if (!view.refusal.empty()) wrapped(kUiRed, view.refusal);
+    if (!view.why_not.empty()) wrapped(kUiDim, view.why_not);
+  }
+
+  // A field for an endpoint. Enter or its button adds what it has.
+  static std::optional<std::string> draw_field(const char* what, const char* example, std::array<char, 160>& text) {
+    ImGui::PushID(what);
+    ImGui::SetNextItemWidth(ImGui::GetFontSize() * 12);
+    constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll;
+    bool adds = ImGui::InputTextWithHint("##endpoint", example, text.data(), text.size(), kFlags);
+    ImGui::SameLine();
+    adds = ImGui::Button(fmt::format("add {}", what).c_str()) || adds;
+    ImGui::PopID();
+    const std::string asked = text.data();
+    if (!adds || asked.empty()) return std::nullopt;
+    text[0] = 0;
+    return asked;
   }
 
   static void draw_input(const PortStatus& port, const UiInput& input) {
@@ -206,7 +258,17 @@ class DevicesPanel final : public Panel {
 
   void draw_output(OutputsView& outputs, std::size_t index) {
     const OutputRow& row = outputs.rows[index];
-    cell(kUiText, row.endpoint);
+    ImGui::TableNextColumn();
+    const std::string words = row.made_up ? row.endpoint + " (made up)" : row.endpoint;
+    ImGui::PushStyleColor(ImGuiCol_Text, row.made_up ? kUiAmber : kUiText);
+    if (row.can_move) {
+      ImGui::Selectable(words.c_str(), false, 0, {ImGui::CalcTextSize(words.c_str()).x, 0});
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("Drag it to another universe below.");
+      drag_source(kOutputDrag, &index, sizeof(index), row.endpoint);
+    } else {
+      ui_text(words);
+    }
+    ImGui::PopStyleColor();
     const bool lost = row.status && row.status->state == PortState::kGone;
     cell(row.state == ArmState::kOff     ? kUiDim
          : row.state == ArmState::kArmed ? kUiRed
@@ -229,37 +291,83 @@ class DevicesPanel final : public Panel {
     }
   }
 
-  // DMX interfaces of this machine, and a button that adds one as an output.
+  // DMX interfaces of this machine. A drag to a universe makes one an output; so does its button, for the chosen one.
   void draw_devices(OutputsView& outputs) {
     if (outputs.devices.empty()) wrapped(kUiDim, "No DMX interface. `footlight doctor` checks this machine.");
-    const bool sends = std::any_of(outputs.devices.begin(), outputs.devices.end(),
-                                   [](const PluggedDevice& device) { return device.can_send; });
-    if (sends && !outputs.universes.empty()) draw_universe(outputs.universes);
     for (std::size_t i = 0; i < outputs.devices.size(); ++i) {
       const PluggedDevice& device = outputs.devices[i];
       ImGui::PushID(static_cast<int>(i));
-      ui_text(kUiText, device.endpoint.empty() ? device.model : device.endpoint + "  " + device.model);
+      draw_device(outputs, device.endpoint,
+                  device.endpoint.empty() ? device.model : device.endpoint + "  " + device.model, device.can_send);
       ImGui::SameLine();
       ui_text(device.fix.empty() ? kUiGreen : kUiAmber, device.state);
-      if (device.can_send && !outputs.universes.empty()) {
-        ImGui::SameLine();
-        if (ImGui::SmallButton("add")) outputs.add = fmt::format("{}={}", device.endpoint, universe_);
-      }
       if (!device.fix.empty()) wrapped(kUiDim, device.fix);
       ImGui::PopID();
     }
-    if (!outputs.refusal.empty()) wrapped(kUiRed, outputs.refusal);
+    draw_model(outputs);
+    if (!outputs.universes.empty()) draw_universes(outputs);
   }
 
-  // That an interface is added for.
-  void draw_universe(const std::vector<Universe>& universes) {
-    if (!std::binary_search(universes.begin(), universes.end(), universe_)) universe_ = universes.front();
-    ImGui::SetNextItemWidth(ImGui::GetFontSize() * 5);
-    if (!ImGui::BeginCombo("is the universe that `add` sends", fmt::format("{}", universe_).c_str())) return;
-    for (const Universe universe : universes) {
-      if (ImGui::Selectable(fmt::format("{}", universe).c_str(), universe == universe_)) universe_ = universe;
+  // A name that can be dragged, and a button.
+  void draw_device(OutputsView& outputs, const std::string& endpoint, const std::string& words, bool can_send) {
+    if (!can_send || outputs.universes.empty()) return ui_text(kUiText, words);
+    const float width = ImGui::CalcTextSize(words.c_str()).x;
+    ImGui::Selectable(words.c_str(), false, 0, {width, 0});
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Drag it to a universe below.");
+    drag_source(kDeviceDrag, endpoint.c_str(), endpoint.size() + 1, endpoint);
+    ImGui::SameLine();
+    if (ImGui::SmallButton("add")) outputs.add = fmt::format("{}={}", endpoint, chosen(outputs));
+  }
+
+  static void drag_source(const char* kind, const void* data, std::size_t size, const std::string& words) {
+    if (!ImGui::BeginDragDropSource(ImGuiDragDropFlags_SourceAllowNullID)) return;
+    ImGui::SetDragDropPayload(kind, data, size);
+    ui_text(words + " to a universe");
+    ImGui::EndDragDropSource();
+  }
+
+  // An interface that is none, to arm without lamps.
+  void draw_model(OutputsView& outputs) {
+    const auto at = std::find_if(outputs.rows.begin(), outputs.rows.end(),
+                                 [](const OutputRow& row) { return row.endpoint.starts_with(kModel); });
+    if (at != outputs.rows.end() || outputs.universes.empty()) return;
+    ui_text(kUiDim, "No interface at hand? A made-up one sends to no lamp:");
+    ImGui::SameLine();
+    if (ImGui::SmallButton("add a made-up interface")) outputs.add = fmt::format("{}={}", kModel, chosen(outputs));
+    drag_source(kDeviceDrag, kModel, std::string_view(kModel).size() + 1, kModel);
+  }
+
+  Universe chosen(const OutputsView& outputs) {
+    const bool there = std::binary_search(outputs.universes.begin(), outputs.universes.end(), universe_);
+    if (!there) universe_ = outputs.universes.front();
+    return universe_;
+  }
+
+  // Those of the rig: a click chooses the one that `add` is for, and what is dropped on one is patched to it.
+  void draw_universes(OutputsView& outputs) {
+    ui_text(kUiDim, "Universes: drag an interface or an output here; `add` is for the amber one");
+    const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
+    for (std::size_t i = 0; i < outputs.universes.size() && i < kChipsMax; ++i) {
+      const Universe universe = outputs.universes[i];
+      const std::string words = fmt::format("{}", universe);
+      const float width = ImGui::CalcTextSize(words.c_str()).x + 4 * ImGui::GetStyle().FramePadding.x;
+      if (i > 0 && ImGui::GetItemRectMax().x + width + ImGui::GetStyle().ItemSpacing.x < right) ImGui::SameLine();
+      ImGui::PushStyleColor(ImGuiCol_Text, universe == chosen(outputs) ? kUiAmber : kUiText);
+      if (ImGui::Button(words.c_str(), {width, 0})) universe_ = universe;
+      ImGui::PopStyleColor();
+      if (!ImGui::BeginDragDropTarget()) continue;
+      if (const ImGuiPayload* device = ImGui::AcceptDragDropPayload(kDeviceDrag)) {
+        outputs.add = fmt::format("{}={}", static_cast<const char*>(device->Data), universe);
+      } else if (const ImGuiPayload* row = ImGui::AcceptDragDropPayload(kOutputDrag)) {
+        std::size_t index = 0;
+        std::memcpy(&index, row->Data, sizeof(index));
+        outputs.move = OutputsView::Move{index, universe};
+      }
+      ImGui::EndDragDropTarget();
     }
-    ImGui::EndCombo();
+    if (outputs.universes.size() > kChipsMax) {
+      ui_text(kUiDim, fmt::format("and {} more: type the endpoint", outputs.universes.size() - kChipsMax));
+    }
   }
 
   void asks(std::size_t which) {
@@ -283,7 +391,8 @@ class DevicesPanel final : public Panel {
     for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
       const OutputRow& row = outputs.rows[i];
       if ((*asks_ == kAll || *asks_ == i) && row.state == ArmState::kOff) {
-        ui_text(kUiAmber, fmt::format("{}  universe {}", row.endpoint, show_universes(row.sent())));
+        ui_text(kUiAmber, fmt::format("{}  universe {}{}", row.endpoint, show_universes(row.sent()),
+                                      row.made_up ? "  (made up: no lamp gets it)" : ""));
       }
     }
     const auto lit =
@@ -291,6 +400,9 @@ class DevicesPanel final : public Panel {
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
     ui_text(fmt::format("Real lamps get the levels of the picture at once, and move: {} of the rig {} above zero.",
                         counted(lit, "slot"), lit == 1 ? "is" : "are"));
+    if (input.inputs != nullptr && !input.inputs->made_up.empty()) {
+      ui_text(kUiRed, fmt::format("A made-up input moves them: {}.", input.inputs->made_up.front()));
+    }
     ui_text(kUiDim, "B or F9 is the blackout, Ctrl+D disarms all. Disarmed outputs end dark.");
     ImGui::PopTextWrapPos();
     ImGui::Checkbox("The stage is clear, and nobody is near the lamps", &clear_);
@@ -315,6 +427,8 @@ class DevicesPanel final : public Panel {
   bool opens_ = false;               // the question opens with this picture
   bool clear_ = false;               // its tick
   Universe universe_ = kUniverseMin;
+  std::array<char, 160> input_text_{};
+  std::array<char, 160> output_text_{};
 };
 
 }  // namespace

@@ -33,6 +33,10 @@ enum class UiAction {
   kRepeatFrom,
   kRepeatTo,
   kRepeatAll,
+  kMark,        // this time of the log
+  kMarkerBack,  // to the marker before
+  kMarkerOn,
+  kMarker,  // to the one of this index
   kSidePanel,
   kPanel,  // argument: index into panels()
   kFullScreen,

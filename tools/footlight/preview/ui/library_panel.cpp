@@ -74,7 +74,9 @@ class LibraryPanel final : public Panel {
   explicit LibraryPanel(UiDesk& desk)
       : reader_(std::make_unique<fixtures::DefinitionReader>(desk.definition_folders())) {
     const glm::dvec3 place = usual_place(desk.edited());
-    position_m_ = {place.x, place.y, place.z};
+    // To the millimetre; + 0 so that there is no "-0.00".
+    const auto rounded = [](double metres) { return std::round(metres * 1000) / 1000 + 0.0; };
+    position_m_ = {rounded(place.x), rounded(place.y), rounded(place.z)};
   }
 
   void draw(UiDesk& desk, const UiInput& input) override {

@@ -9,6 +9,7 @@ namespace footlight::tools {
 namespace {
 
 constexpr ImU32 kRed = IM_COL32(214, 28, 28, 255);
+constexpr ImU32 kAmber = IM_COL32(242, 169, 64, 255);
 constexpr ImU32 kWhite = IM_COL32(255, 255, 255, 255);
 constexpr ImU32 kBlack = IM_COL32(0, 0, 0, 255);
 
@@ -26,9 +27,9 @@ float draw_tag(ImDrawList& draw, const std::string& words, float size, float x, 
 
 }  // namespace
 
-void draw_live_band(const OutputsView& outputs, float stage_width, float scale) {
+float draw_live_band(const OutputsView& outputs, float stage_width, float scale) {
   const std::string words = live_words(outputs);
-  if (words.empty()) return;
+  if (words.empty()) return 0;
   ImDrawList& draw = *ImGui::GetForegroundDrawList();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const bool dark = outputs.darkness != Darkness::kNone;
@@ -43,12 +44,16 @@ void draw_live_band(const OutputsView& outputs, float stage_width, float scale) 
   }
   const float text = ImGui::GetFontSize();
   const float middle = std::max(stage_width, 1.0f) / 2;
-  if (!dark) {
-    draw_tag(draw, words, text * 1.25f, middle, 0, kRed, kWhite);
-    return;
-  }
+  if (!dark) return draw_tag(draw, words, text * 1.25f, middle, 0, kRed, kWhite);
   const float below = draw_tag(draw, words, text * 2, middle, 0, kBlack, kRed);
-  draw_tag(draw, blackout_words(outputs), text, middle, below, kBlack, kWhite);
+  return draw_tag(draw, blackout_words(outputs), text, middle, below, kBlack, kWhite);
+}
+
+void draw_made_up_tag(const InputsView& made_up, float stage_width, float y) {
+  const std::string words = made_up_words(made_up);
+  if (words.empty()) return;
+  draw_tag(*ImGui::GetForegroundDrawList(), words, ImGui::GetFontSize() * 1.25f, std::max(stage_width, 1.0f) / 2, y,
+           kAmber, kBlack);
 }
 
 }  // namespace footlight::tools

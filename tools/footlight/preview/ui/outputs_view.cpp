@@ -31,7 +31,11 @@ void OutputsView::disarm_all() {
 
 std::string live_words(const OutputsView& view) {
   const auto count = static_cast<std::int64_t>(view.live_count());
-  if (view.darkness == Darkness::kNone) return count == 0 ? "" : "LIVE: " + counted(count, "output");
+  const bool real = std::any_of(view.rows.begin(), view.rows.end(),
+                                [](const OutputRow& row) { return row.state == ArmState::kArmed && !row.made_up; });
+  if (view.darkness == Darkness::kNone) {
+    return count == 0 ? "" : fmt::format("LIVE: {}{}", counted(count, "output"), real ? "" : " (made up)");
+  }
   if (count == 0) return "BLACKOUT: no output is armed";
   return fmt::format("BLACKOUT: {} {} zeros", counted(count, "output"), count == 1 ? "sends" : "send");
 }

@@ -31,6 +31,8 @@ struct OutputRow {
   std::string endpoint;
   std::vector<Universe> universes;  // that it carries
   std::vector<Universe> left_out;   // of them, those that are not sent: no address of the rig is in them
+  bool can_move = false;            // to another universe: a device with one, not armed
+  bool made_up = false;             // a model inside the program: no lamp gets what it sends
   ArmState state = ArmState::kOff;
   std::string trouble;               // why it could not be armed; empty: it could, or was not asked for
   std::optional<PortStatus> status;  // while it is armed; at most two seconds old
@@ -62,6 +64,11 @@ struct OutputsView {
   std::vector<std::size_t> disarm;
   std::optional<bool> blackout;    // false: ends
   std::optional<std::string> add;  // an endpoint; it is not armed
+  struct Move {
+    std::size_t row = 0;  // that can_move
+    Universe to = 0;
+  };
+  std::optional<Move> move;
   bool looks = false;              // for devices; asked for with each picture
 
   // How many of them send.
@@ -71,8 +78,8 @@ struct OutputsView {
   void disarm_all();
 };
 
-// "LIVE: 2 outputs", "BLACKOUT: 2 outputs send zeros"; empty if there is nothing to say: no output is armed, and there
-// is no blackout.
+// "LIVE: 2 outputs", "LIVE: 1 output (made up)" where no lamp gets anything, "BLACKOUT: 2 outputs send
+// zeros"; empty if there is nothing to say: no output is armed, and there is no blackout.
 [[nodiscard]] std::string live_words(const OutputsView& view);
 // How a blackout ends, and why it began if the user did not ask for it; empty without one.
 [[nodiscard]] std::string blackout_words(const OutputsView& view);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kEdge = 8;  // between a panel and the edge of the stage
 
-constexpr std::array<PanelInfo, 7> kPanels{{
+constexpr std::array<PanelInfo, 8> kPanels{{
     {"keys", "Keys", GLFW_KEY_F1, "F1, ?", "this list", {0.5f, 0.5f, 560, 620, 1}, make_keys_panel},
     {"universes",
      "Universes",
@@ -54,6 +54,13 @@ constexpr std::array<PanelInfo, 7> kPanels{{
      "the installed definitions: add fixtures",
      {0.5f, 0.5f, 900, 480, 0.8f},
      make_library_panel},
+    {"messages",
+     "Messages",
+     GLFW_KEY_F8,
+     "F8",
+     "the last messages and errors of the window",
+     {0, 1, 560, 220, 0.4f},
+     make_messages_panel},
 }};
 
 Status for_words(std::string_view words, const std::function<void(std::size_t)>& act) {

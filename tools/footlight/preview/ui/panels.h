@@ -13,6 +13,8 @@
 #include "sim/core/dmx.h"
 #include "sim/core/result.h"
 #include "sim/pump.h"
+#include "tools/footlight/preview/ui/inputs_view.h"
+#include "tools/footlight/preview/ui/messages.h"
 #include "tools/footlight/preview/ui/outputs_view.h"
 #include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
@@ -28,6 +30,8 @@ struct UiInput {
   Transport* transport = nullptr;        // of the log that plays; its second part may be changed
   const LightCurve* curve = nullptr;     // of it; may be missing
   OutputsView* outputs = nullptr;        // to real lamps; its second part may be changed
+  InputsView* inputs = nullptr;          // live ones; its second part may be changed
+  const MessageLog* messages = nullptr;  // of the window
   float scale = 1;                       // of the user interface
 };
 
@@ -71,6 +75,7 @@ struct PanelInfo {
 [[nodiscard]] std::unique_ptr<Panel> make_timeline_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_devices_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_library_panel(UiDesk& desk);
+[[nodiscard]] std::unique_ptr<Panel> make_messages_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_keys_panel(UiDesk& desk);
 
 // Which panels are open.

@@ -59,13 +59,4 @@ void draw_marks(const fixtures::Rig& rig, const StagePick& pick, const StagePlac
   draw.PopClipRect();
 }
 
-void draw_news(std::string_view words, const StagePlace& place, float scale) {
-  ImDrawList& draw = *ImGui::GetForegroundDrawList();
-  const std::string text(words);
-  const ImVec2 needed = ImGui::CalcTextSize(text.c_str());
-  const ImVec2 at(12 * scale, static_cast<float>(place.size.y) - needed.y - 40 * scale);
-  draw.AddRectFilled({at.x - 6, at.y - 4}, {at.x + needed.x + 6, at.y + needed.y + 4}, IM_COL32(14, 15, 18, 220), 3);
-  draw.AddText(at, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
-}
-
 }  // namespace footlight::tools

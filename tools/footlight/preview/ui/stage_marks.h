@@ -1,7 +1,6 @@
 // What is drawn over the picture: corners around the selected fixtures and their names, and a line of news.
 #pragma once
 
-#include <string_view>
 
 #include "tools/footlight/preview/ui/stage_pick.h"
 #include "tools/footlight/preview/ui/ui_state.h"
@@ -12,7 +11,5 @@ namespace footlight::tools {
 inline constexpr std::size_t kMarksMax = 2000;
 void draw_marks(const fixtures::Rig& rig, const StagePick& pick, const StagePlace& place, const Selection& selection,
                 float scale);
-// At the bottom left of the stage.
-void draw_news(std::string_view words, const StagePlace& place, float scale);
 
 }  // namespace footlight::tools

@@ -1,7 +1,9 @@
-// The log in time: how bright the rig is over it, where it plays, how fast, and which part repeats.
+// The log in time: how bright the rig is over it, where it plays, how fast, which part repeats, and its markers.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -16,14 +18,16 @@ namespace {
 
 class TimelinePanel final : public Panel {
  public:
-  void draw(UiDesk&, const UiInput& input) override {
+  void draw(UiDesk& desk, const UiInput& input) override {
     if (input.transport == nullptr) {
       ui_text(kUiDim,
               "No log plays: the rig follows live inputs or faders. `footlight preview RIG --log LOG` plays one.");
       return;
     }
     draw_controls(*input.transport, input.scale);
+    draw_markers(desk, *input.transport);
     draw_curve(*input.transport, input.curve);
+    draw_marker_menu(desk);
   }
 
  private:
@@ -56,6 +60,87 @@ class TimelinePanel final : public Panel {
       ui_text(kUiAmber, fmt::format("repeats {} to {}", time_text(transport.from_ns.value_or(0)),
                                     time_text(transport.to_ns.value_or(transport.duration_ns))));
     }
+  }
+
+  // A row of names above the curve, each where its time is and as long as there is room. A click goes there.
+  void draw_markers(const UiDesk& desk, Transport& transport) {
+    const Markers& markers = desk.state().markers;
+    if (markers.empty()) return;
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float width = std::max(ImGui::GetContentRegionAvail().x, 16.0f);
+    const float height = ImGui::GetTextLineHeight();
+    const double length_ns = static_cast<double>(std::max<DurationNs>(transport.duration_ns, 1));
+    const auto x_of = [&](TimeNs time_ns) {
+      return at.x + static_cast<float>(std::clamp(static_cast<double>(time_ns) / length_ns, 0.0, 1.0)) * width;
+    };
+    ImDrawList* draw = ImGui::GetWindowDrawList();
+    const ImU32 amber = ImGui::GetColorU32(kUiAmber);
+    for (std::size_t i = 0; i < markers.size(); ++i) {
+      const float left = x_of(markers[i].at_ns);
+      const float next = i + 1 < markers.size() ? x_of(markers[i + 1].at_ns) : at.x + width;
+      const float tip = height * 0.35f;
+      // At the right end there is no room for a name: it stands on the left.
+      const float needed = ImGui::CalcTextSize(markers[i].name.c_str()).x + 2 * tip;
+      const bool last = i + 1 == markers.size() && next - left < needed;
+      draw->AddTriangleFilled({left - tip, at.y + height * 0.4f}, {left + tip, at.y + height * 0.4f},
+                              {left, at.y + height}, amber);
+      const ImVec2 low{last ? std::max(left - needed, at.x) : left + tip, at.y};
+      const ImVec2 high{last ? left - tip : std::max(next - 2 * tip, low.x), at.y + height};
+      draw->PushClipRect(low, high, true);
+      draw->AddText(low, amber, markers[i].name.c_str());
+      draw->PopClipRect();
+      const float from = std::min(low.x, left - tip);
+      const float to = std::max(std::min(high.x, low.x + needed), left + tip);
+      ImGui::SetCursorScreenPos({from, at.y});
+      ImGui::PushID(static_cast<int>(i));
+      if (ImGui::InvisibleButton("marker", {std::max(to - from, 1.0f), height})) transport.seek_ns = markers[i].at_ns;
+      if (ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("%s at %s; the right button names or deletes it", markers[i].name.c_str(),
+                          time_text(markers[i].at_ns).c_str());
+        if (ImGui::IsMouseReleased(ImGuiMouseButton_Right)) ask_about(markers[i], i);
+      }
+      ImGui::PopID();
+    }
+    ImGui::SetCursorScreenPos({at.x, at.y + height});
+    ImGui::Dummy({width, 2});
+  }
+
+  void ask_about(const Marker& marker, std::size_t index) {
+    asked_ = index;
+    asked_name_ = marker.name;
+    text_.fill(0);
+    marker.name.copy(text_.data(), text_.size() - 1);
+    trouble_.clear();
+    opens_ = true;
+  }
+
+  // The name of one marker, and a button that deletes it.
+  void draw_marker_menu(UiDesk& desk) {
+    constexpr const char* kMenu = "marker";
+    const bool begins = std::exchange(opens_, false);
+    if (begins) ImGui::OpenPopup(kMenu);
+    if (!ImGui::BeginPopup(kMenu)) return;
+    const Markers& markers = desk.state().markers;
+    // After an undo by a key the index may be that of another one.
+    if (asked_ >= markers.size() || markers[asked_].name != asked_name_) {
+      ImGui::CloseCurrentPopup();
+      ImGui::EndPopup();
+      return;
+    }
+    if (begins) ImGui::SetKeyboardFocusHere();
+    constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll;
+    const bool entered = ImGui::InputText("name", text_.data(), text_.size(), kFlags);
+    if (entered) {
+      const Status named = desk.rename_marker(asked_, text_.data());
+      trouble_ = named ? "" : named.error().message;
+      if (named) ImGui::CloseCurrentPopup();
+    }
+    if (!trouble_.empty()) ui_text(kUiRed, trouble_);
+    if (ImGui::Button("delete")) {
+      desk.remove_marker(asked_);
+      ImGui::CloseCurrentPopup();
+    }
+    ImGui::EndPopup();
   }
 
   // Time runs from left to right; a click or a drag seeks.
@@ -116,6 +201,12 @@ class TimelinePanel final : public Panel {
       i = next;
     }
   }
+
+  std::size_t asked_ = 0;  // the marker of the menu
+  std::string asked_name_;
+  std::array<char, kMarkerNameMax + 2> text_{};
+  std::string trouble_;
+  bool opens_ = false;
 };
 
 }  // namespace

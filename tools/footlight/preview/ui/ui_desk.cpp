@@ -214,6 +214,25 @@ void UiDesk::set_exposure(Exposure exposure) {
   run(SetExposure{exposure});
 }
 
+Status UiDesk::add_marker(TimeNs at_ns) {
+  FL_ASSIGN(Markers after, with_marker(state_.markers, at_ns));
+  run(EditMarkers{std::move(after), "add a marker"});
+  return {};
+}
+
+Status UiDesk::rename_marker(std::size_t index, std::string_view name) {
+  FL_ASSIGN(Markers after, with_name(state_.markers, index, name));
+  run(EditMarkers{std::move(after), fmt::format("name the marker {}", name)});
+  return {};
+}
+
+void UiDesk::remove_marker(std::size_t index) {
+  Markers after = state_.markers;
+  const std::string name = after.at(index).name;
+  after.erase(after.begin() + static_cast<std::ptrdiff_t>(index));
+  run(EditMarkers{std::move(after), fmt::format("delete the marker {}", name)});
+}
+
 void UiDesk::release_all() {
   TakeChannels command;
   for (const auto& [key, raw] : state_.taken) command.edits.push_back({key, std::nullopt, std::nullopt});

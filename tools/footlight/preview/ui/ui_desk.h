@@ -91,6 +91,13 @@ class UiDesk {
   // Within kDarkestEv and kBrightestEv; nothing happens if it is no number.
   void set_exposure(Exposure exposure);
 
+  // Markers of the log. Errors: those of with_marker() and with_name(). Indices into UiState::markers.
+  Status add_marker(TimeNs at_ns);
+  Status rename_marker(std::size_t index, std::string_view name);
+  void remove_marker(std::size_t index);
+  // As the file beside the log has them. Not a command.
+  void start_markers(Markers markers) { state_.markers = std::move(markers); }
+
   // As a click in a list does: `add` (Ctrl) adds or removes, else replaces. -1: nothing, so all stays with `add`.
   void select(int fixture, bool add);
   void select(Selection selection) { run(SelectFixtures{std::move(selection), {}}); }

@@ -135,6 +135,14 @@ bool SetExposure::join(const SetExposure& later) {
   return true;
 }
 
+bool EditMarkers::apply(UiState& state) {
+  before = std::exchange(state.markers, after);
+  return before != after;
+}
+std::size_t EditMarkers::heap_bytes() const {
+  return (after.size() + before.size()) * (sizeof(Marker) + kMarkerNameMax) + does.size();
+}
+
 // Whether values that were taken over do not stay as they are.
 bool EditRig::releases() const {
   return edit.moves_indices() || std::any_of(edit.changes.begin(), edit.changes.end(), [](const auto& change) {

@@ -16,6 +16,7 @@
 #include "fixtures/edit/rig_edit.h"
 #include "fixtures/model/rig.h"
 #include "tools/footlight/preview/orbit_camera.h"
+#include "tools/footlight/preview/ui/markers.h"
 #include "tools/footlight/preview/ui/rig_index.h"
 
 namespace footlight::tools {
@@ -40,6 +41,7 @@ struct UiState {
   std::map<ChannelKey, std::uint32_t> taken;  // channels with a value of the user's instead of the input's
   OrbitCamera camera{fixtures::Camera{}};
   Exposure exposure;
+  Markers markers;  // of the log
   // The rig as its file has it, which EditRig changes; nullptr: it cannot be edited. Its fixtures have the indices of
   // the selection.
   fixtures::Rig* edited = nullptr;
@@ -104,6 +106,18 @@ struct SetExposure {
   [[nodiscard]] std::size_t heap_bytes() const { return 0; }
 };
 
+struct EditMarkers {
+  Markers after;
+  std::string does;  // "add the marker Chorus"
+  Markers before = {};
+
+  bool apply(UiState& state);
+  void undo(UiState& state) const { state.markers = before; }
+  [[nodiscard]] std::string text(const fixtures::Rig&) const { return does; }
+  static bool join(const EditMarkers&) { return false; }
+  [[nodiscard]] std::size_t heap_bytes() const;
+};
+
 // Edits the rig. Where fixtures get other indices, the selection and what was taken over follow them. What was taken
 // over of fixtures that get another mode or are deleted is released.
 struct EditRig {
@@ -129,7 +143,7 @@ struct EditRig {
   void move_ids(UiState& state);
 };
 
-using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera, SetExposure, EditRig>;
+using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera, SetExposure, EditMarkers, EditRig>;
 [[nodiscard]] std::string text_of(const UiCommand& command, const fixtures::Rig& rig);
 
 // The commands so far, and those that were undone. Keeps the last kCommandsMax of them, and fewer if they need more

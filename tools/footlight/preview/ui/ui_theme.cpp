@@ -39,6 +39,7 @@ void set_ui_style(float scale) {
   colours[ImGuiCol_ResizeGrip] = {0.20f, 0.21f, 0.24f, 1};
   colours[ImGuiCol_ResizeGripHovered] = {0.52f, 0.36f, 0.14f, 1};
   colours[ImGuiCol_ResizeGripActive] = {0.68f, 0.47f, 0.18f, 1};
+  colours[ImGuiCol_ModalWindowDimBg] = {0, 0, 0, 0.55f};
   style.ScaleAllSizes(scale);
 }
 

@@ -1,0 +1,105 @@
+// Inputs of the preview that come and go while it runs: patterns and models of devices, to play with.
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/rig_pattern.h"
+
+namespace footlight::tools {
+
+// again: while it runs, when a device that is unplugged is no reason to stop.
+Result<std::unique_ptr<Source>> Preview::open_input(const std::string& text, bool again) {
+  FL_ASSIGN(const Endpoint endpoint, parse_port(text));
+  if (plays_pattern(endpoint)) {  // on the fixtures of the rig; a bridge, which has none, plays it on slots
+    FL_ASSIGN(const Pattern pattern, pattern_of(endpoint.target));
+    const bool all = text.find('=') == std::string::npos;
+    std::vector<Universe> universes = all ? framed_->compiled.universes : endpoint.show_universes();
+    std::sort(universes.begin(), universes.end());
+    auto source =
+        std::make_unique<PatternSource>(text, pattern, rig_pattern(framed_->rig, framed_->compiled, universes));
+    patterns_.push_back(source.get());
+    return source;
+  }
+  InOptions in;
+  in.hear_preview = true;  // such frames are meant for visualisers like this one
+  in.yields = true;        // a bridge keeps its unicast frames
+  in.wait_for_device = again;
+  const std::lock_guard lock(opener_mutex_);
+  return opener_.open_source(endpoint, in);
+}
+
+// After an edit that leaves the universes as they are.
+void Preview::follow_patterns() {
+  for (PatternSource* pattern : patterns_) {
+    pattern->play(rig_pattern(framed_->rig, framed_->compiled, pattern->universes()));
+  }
+}
+
+// Once a picture: what there is, and what the user asks for.
+void Preview::follow_inputs() {
+  InputsView& view = inputs_view_;
+  if (const auto text = std::exchange(view.add, std::nullopt)) {
+    const Status added = add_input(*text);
+    view.refusal = added ? "" : added.error().message;
+  }
+  if (const auto text = std::exchange(view.remove, std::nullopt)) remove_input(*text);
+  view.inputs = ins_;
+  view.made_up.clear();
+  for (const std::string& text : ins_) {
+    const auto endpoint = parse_port(text);
+    if (endpoint && is_made_up(*endpoint)) view.made_up.push_back(text);
+  }
+  view.why_not = player_ != nullptr       ? "A log drives the rig; start the window without it to add inputs."
+                 : outputs_view_.any_on() ? "Disarm the outputs to add inputs: real lamps would follow them."
+                                          : "";
+}
+
+Status Preview::add_input(const std::string& text) {
+  if (player_ != nullptr || outputs_view_.any_on()) return {};
+  if (std::find(ins_.begin(), ins_.end(), text) != ins_.end()) {
+    return fail(ErrorCode::kBadInput, "{}: it is in the list already", text);
+  }
+  FL_ASSIGN(std::unique_ptr<Source> source, open_input(text, false));
+  if (live_) {
+    live_->add(std::move(source));
+  } else {
+    std::vector<std::unique_ptr<Source>> sources;
+    sources.push_back(std::move(source));
+    if (const Status started = start_live(std::move(sources)); !started) {
+      close_inputs();
+      return started;
+    }
+    resting_hand_ = std::move(hand_);
+    resting_scene_ = framed_;
+  }
+  ins_.push_back(text);
+  const bool made_up = is_made_up(*parse_port(text));
+  tell(fmt::format("{} {}", text, made_up ? "is made up: no console sends it" : "drives the rig"));
+  return {};
+}
+
+void Preview::remove_input(const std::string& text) {
+  const auto at = std::find(ins_.begin(), ins_.end(), text);
+  if (at == ins_.end()) return;
+  ins_.erase(at);
+  if (!ins_.empty()) return open_inputs_again(*framed_);
+  close_inputs();
+  hand_ = resting_hand_ ? moved_hand(*resting_hand_, *resting_scene_, *framed_)
+                        : std::make_unique<HandLevels>(framed_->rig, framed_->compiled);
+  resting_hand_.reset();
+  resting_scene_.reset();
+  frame_->settle_machine_air(hand_->levels());
+  if (outputs_ && outputs_view_.any_on()) outputs_->black_out();  // real lamps must not follow faders at once
+  tell("faders drive the rig again");
+}
+
+void Preview::close_inputs() {
+  live_timeline_.reset();
+  patterns_.clear();
+  live_.reset();
+  facts_.status = {};
+}
+
+}  // namespace footlight::tools
