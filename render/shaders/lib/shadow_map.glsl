@@ -1,6 +1,6 @@
 // Shadow maps: for directions of light in a beam the distances along its axis at which it meets the first body, and at
 // which it has passed the first one. Light keeps its place rho in the gobo plane (shadow.h), so all behind that is dark,
-// and a chord is a straight line in the map: the map's error is where edges lie, to a texel. Error: docs/numerics.md.
+// and a chord is a straight line in the map: the map's error is where edges lie, to half a texel. Error: docs/numerics.md.
 // After shadow.glsl.
 layout(set = 0, binding = FL_BINDING_BEAM_MAPS, std430) readonly buffer ShadowMapsBuffer { uint shadow_maps[]; };
 
@@ -97,54 +97,48 @@ float map_lit(uint beam, BeamRow row, vec3 p) {
   return mix(mix(lit.x, lit.y, share.x), mix(lit.z, lit.w, share.x), share.y);
 }
 
-// The dark parts of a chord. Cell by cell along its line; within a cell that is neither lit nor dark as a whole, in
-// steps of about a texel. z over w and 1 over w are linear in the chord's measure.
+// Whether a place of a chord is behind a body. from, way: texels; depth, deeper: z over w and 1 over w, which are linear
+// in the chord's measure x.
+bool map_hides_chord(uint beam, vec2 from, vec2 way, vec2 depth, vec2 deeper, float x) {
+  vec2 at = depth + deeper * x;
+  return at.x > map_texel(beam, ivec2(floor(from + way * x))).x * at.y;
+}
+
+// The dark parts of a chord: samples kMapStep texels apart, and between two that differ the place of the change to an
+// eighth of that. What is narrower than a step may be missed.
+const float kMapStep = 4.0;
 ShadowParts map_parts(uint beam, ShadowChord ends) {
   ShadowParts parts;
   shadow_parts_clear(parts);
-  vec2 from = 0.5 * float(kMapCells) * (ends.from.xy + 1.0);
-  vec2 way = 0.5 * float(kMapCells) * (ends.to.xy - ends.from.xy);
+  vec2 from = 0.5 * float(kMapPx) * (ends.from.xy + 1.0);
+  vec2 way = 0.5 * float(kMapPx) * (ends.to.xy - ends.from.xy);
   vec2 depth = vec2(ends.from.z, -ends.from.w);
   vec2 deeper = vec2(ends.to.z, -ends.to.w) - depth;
-  vec2 inverse = vec2(abs(way.x) > 1e-6 ? 1.0 / way.x : FL_FAR_M, abs(way.y) > 1e-6 ? 1.0 / way.y : FL_FAR_M);
-  ivec2 cell = ivec2(floor(from));
-  ivec2 turn = ivec2(way.x < 0.0 ? -1 : 1, way.y < 0.0 ? -1 : 1);
-  vec2 next = (vec2(cell) + vec2(way.x < 0.0 ? 0.0 : 1.0, way.y < 0.0 ? 0.0 : 1.0) - from) * inverse;
-  next = vec2(abs(way.x) > 1e-6 ? next.x : FL_FAR_M, abs(way.y) > 1e-6 ? next.y : FL_FAR_M);
-  float x = 0.0;
-  vec2 run = vec2(2.0);  // the dark part so far
-  for (uint round_of = 0u; round_of < 3u * kMapCells && x < 1.0; ++round_of) {
-    float end = min(min(next.x, next.y), 1.0);
-    end = max(end, x);
-    vec2 distances = map_cell(beam, cell);
-    vec2 at = depth + deeper * x;
-    vec2 to = depth + deeper * end;
-    bool lit = at.x <= distances.x * at.y && to.x <= distances.x * to.y;
-    bool dark = at.x > distances.y * at.y && to.x > distances.y * to.y;
-    bool mixed = !lit && !dark;
-    vec2 span = abs(way) * (end - x) * float(kMapCellPx);
-    uint steps = mixed ? uint(clamp(ceil(max(span.x, span.y)), 1.0, float(kMapCellPx))) : lit ? 0u : 1u;
-    float width = (end - x) / float(max(steps, 1u));
-    for (uint s = 0u; s < steps; ++s) {
-      vec2 part = x + width * vec2(float(s), float(s) + 1.0);
-      vec2 place = (from + way * (0.5 * (part.x + part.y))) * float(kMapCellPx);
-      float met_m = mixed ? map_texel(beam, ivec2(floor(place))).x : distances.y;
-      vec2 begin = depth + deeper * part.x;
-      vec2 finish = depth + deeper * part.y;
-      float behind = begin.x - met_m * begin.y;  // above 0: it is dark
-      float behind_end = finish.x - met_m * finish.y;
-      if (behind <= 0.0 && behind_end <= 0.0) continue;
-      if (behind <= 0.0) part.x += (part.y - part.x) * (behind / (behind - behind_end));
-      else if (behind_end <= 0.0) part.y = part.x + (part.y - part.x) * (behind / (behind - behind_end));
-      bool joins = part.x <= run.y + 1e-5 && run.x <= 1.0;
-      if (!joins && run.x <= 1.0) shadow_parts_add(parts, run.x, run.y);
-      run = vec2(joins ? run.x : part.x, part.y);
+  float steps = clamp(ceil(max(abs(way.x), abs(way.y)) / kMapStep), 4.0, float(kMapPx) / kMapStep);
+  bool was_dark = map_hides_chord(beam, from, way, depth, deeper, 0.0);
+  float dark_from = 0.0;
+  for (float next = 1.0; next <= steps; next += 1.0) {
+    float x = next / steps;
+    bool dark = map_hides_chord(beam, from, way, depth, deeper, x);
+    float edge = 1.0;
+    if (dark != was_dark) {
+      float before = (next - 1.0) / steps;
+      float after = x;
+      for (int k = 0; k < 3; ++k) {
+        float middle = 0.5 * (before + after);
+        bool same = map_hides_chord(beam, from, way, depth, deeper, middle) == was_dark;
+        before = same ? middle : before;
+        after = same ? after : middle;
+      }
+      edge = 0.5 * (before + after);
     }
-    x = end;
-    bool across = next.x <= next.y;
-    cell += across ? ivec2(turn.x, 0) : ivec2(0, turn.y);
-    next += across ? vec2(abs(inverse.x), 0.0) : vec2(0.0, abs(inverse.y));
+    bool ends_here = was_dark && (!dark || next == steps);
+    if (ends_here) shadow_parts_add(parts, dark_from, edge);
+    else if (dark && !was_dark) {
+      dark_from = edge;
+      if (next == steps) shadow_parts_add(parts, edge, 1.0);
+    }
+    was_dark = dark;
   }
-  if (run.x <= 1.0) shadow_parts_add(parts, run.x, run.y);
   return parts;
 }
