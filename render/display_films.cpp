@@ -1,7 +1,6 @@
 #include "render/display_films.h"
 
 #include <cstring>
-#include <utility>
 
 #include "render/display_tables.h"
 #include "sim/core/check.h"
@@ -28,12 +27,12 @@ Status DisplayFilms::create(vk::Device& device, const MemoryShape& shape) {
   return {};
 }
 
-void DisplayFilms::show(std::size_t display, std::shared_ptr<const fixtures::PaneImage> pixels) {
+void DisplayFilms::show(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
   for (Film& film : films_) {
     if (film.display != display) continue;
     FL_CHECK_EQ(pixels->width, film.columns);
     FL_CHECK_EQ(pixels->height, film.rows);
-    film.pixels = std::move(pixels);
+    film.pixels = pixels;
   }
 }
 

@@ -14,7 +14,7 @@ class DisplayFilms {
   Status create(vk::Device& device, const MemoryShape& shape);
   // columns x rows pixels of a display of the rig, from the next record() on: share of light, linear Rec. 709. Ignored
   // if that display shows no film.
-  void show(std::size_t display, std::shared_ptr<const fixtures::PaneImage> pixels);
+  void show(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels);
   // Copies what is new to the cells of the displays, and has the pass of displays compute the larger ones. The commands
   // of the record() before must be finished.
   void record(VkCommandBuffer commands, RigTables& rig);

@@ -14,7 +14,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "fixtures/model/rig.h"
@@ -110,8 +109,8 @@ class Frame {
 
   // The pixels of a display of the rig with a video, columns x rows of them, from the next record() on. Until the first
   // ones it is dark. Ignored if it shows something else.
-  void show_pixels(std::size_t display, std::shared_ptr<const fixtures::PaneImage> pixels) {
-    films_.show(display, std::move(pixels));
+  void show_pixels(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
+    films_.show(display, pixels);
   }
 
   // Headless: record, submit, wait.
