@@ -72,7 +72,7 @@ std::vector<std::uint32_t> first_cells(const fixtures::Rig& rig, const DisplayTa
   std::vector<std::uint32_t> cells(tables.words, 0);
   for (std::size_t i = 0; i < rig.displays.size(); ++i) {
     const fixtures::Display& display = rig.displays[i];
-    if (display.map) continue;
+    if (display.map || fixtures::shows_film(display)) continue;
     const std::uint64_t first = tables.levels[tables.rows[i].level_first].first;
     const std::uint64_t pixels = std::uint64_t{tables.rows[i].columns} * tables.rows[i].rows;
     for (std::uint64_t pixel = 0; pixel < pixels; ++pixel) {
@@ -101,20 +101,23 @@ DisplayTables display_tables(const fixtures::Rig& rig, const fixtures::CompiledR
     tables.levels.insert(tables.levels.end(), shape.levels.begin(), shape.levels.end());
     levels_most = std::max(levels_most, shape.levels.size());
   }
-  for (const bool live : {false, true}) {
-    DisplayJobs& jobs = live ? tables.live : tables.still;
+  for (DisplayJobs* const jobs : {&tables.still, &tables.live, &tables.film}) {
+    const bool live = jobs == &tables.live;
     for (std::uint32_t level = 0; level < levels_most; ++level) {
       const auto first = static_cast<std::uint32_t>(tables.jobs.size());
       for (std::uint32_t i = 0; i < tables.rows.size(); ++i) {
         const DisplayRow& row = tables.rows[i];
-        if ((row.slot_first != FL_NONE) != live || level >= row.levels || (level == 0 && !live)) continue;
+        const DisplayJobs* const own = row.slot_first != FL_NONE               ? &tables.live
+                                       : fixtures::shows_film(rig.displays[i]) ? &tables.film
+                                                                               : &tables.still;
+        if (own != jobs || level >= row.levels || (level == 0 && !live)) continue;
         const DisplayLevelRow& size = tables.levels[row.level_first + level];
         for (std::uint32_t cell = 0; cell < size.columns * size.rows; cell += FL_GROUP_DISPLAY) {
           tables.jobs.push_back({i, level, cell, 0});
         }
       }
       const auto count = static_cast<std::uint32_t>(tables.jobs.size()) - first;
-      if (count > 0) jobs.push_back({first, count});
+      if (count > 0) jobs->push_back({first, count});
     }
   }
   return tables;
@@ -141,6 +144,7 @@ Status make_display_tables(vk::Device& device, const MemoryShape& shape, RigTabl
   }
   r.display_still = tables.still;
   r.display_live = tables.live;
+  r.display_film = tables.film;
   FL_ASSIGN(r.displays, vk::Buffer::table(device, tables.rows));
   FL_ASSIGN(r.display_levels, vk::Buffer::table(device, tables.levels));
   FL_ASSIGN(r.display_cells, vk::Buffer::table(device, first_cells(shape.rig, tables)));

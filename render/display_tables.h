@@ -12,7 +12,7 @@ struct DisplayTables {
   std::vector<DisplayRow> rows;
   std::vector<DisplayLevelRow> levels;
   std::vector<DisplayJobRow> jobs;  // of what does not change, then of what follows from levels; by level
-  DisplayJobs still, live;
+  DisplayJobs still, live, film;
   std::uint64_t words = 0;  // of all cells
 };
 [[nodiscard]] DisplayTables display_tables(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled);

@@ -55,6 +55,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
     for (const std::uint32_t binding : bindings_of(*pass)) used[binding] = true;
   }
   FL_ASSIGN(frame->resources_.rig, RigTables::create(device, {rig, compiled, compiled.needs, widest}, used));
+  FL_TRY(frame->films_.create(device, {rig, compiled, compiled.needs, widest}));
   frame->needs_ = compiled.needs;
   const std::vector<bool> only_pixels = fixtures::pixel_universes(rig, compiled);
   for (std::size_t i = 0; i < only_pixels.size(); ++i) {
@@ -248,6 +249,7 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   upload_params(commands, view, exposure_ev);
   mark(commands, "");
   record_levels(commands);
+  films_.record(commands, resources_.rig);
   // The first pass that adds to what surfaces have left.
   const std::string_view beams_first = has_fine_ ? kRecordsPass.name : kBeamsPass.name;
   if (!has_solids_ && !draws(kBeamsPass)) clear_radiance(commands);

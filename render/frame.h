@@ -18,6 +18,7 @@
 
 #include "fixtures/model/rig.h"
 #include "fixtures/simulate/walker.h"
+#include "render/display_films.h"
 #include "render/frame_state.h"
 #include "render/image.h"
 #include "render/pass.h"
@@ -106,6 +107,12 @@ class Frame {
   // light. At first there is none.
   void set_work_light_lx(double work_light_lx) { work_light_lx_ = work_light_lx; }
 
+  // The pixels of a display of the rig with a video, columns x rows of them, from the next record() on. Until the first
+  // ones it is dark. Ignored if it shows something else.
+  void show_pixels(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
+    films_.show(display, pixels);
+  }
+
   // Headless: record, submit, wait.
   Status draw(const View& view, double exposure_ev);
   // Carries the pending steps out without making a picture: for long replays between pictures.
@@ -182,6 +189,7 @@ class Frame {
   fixtures::Haze haze_;    // the room's own
   double ambient_lx_ = 0;
   Resources resources_;
+  DisplayFilms films_;
   PassList entries_;  // those that the rig and the settings need are in passes_
   std::vector<PassPlan> plan_;
   std::vector<std::unique_ptr<Pass>> passes_;  // one a plan entry

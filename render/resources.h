@@ -114,6 +114,8 @@ struct RigTables {
   std::uint32_t occluder_words = 0;  // of a pane's bits
   DisplayJobs display_still;         // of images: once
   DisplayJobs display_live;          // of pixel maps: each frame
+  DisplayJobs display_film;          // of films: with new pixels (render/display_films.h)
+  bool display_films_new = false;    // there are some that the pass of displays has not seen
   std::uint32_t beams_max = 0;
   GoboQueue gobo_queue_empty{};  // as a frame begins
   std::uint32_t box_count = 0;

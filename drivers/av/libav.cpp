@@ -115,6 +115,7 @@ FL_PASS_ON(kCodec, AVCodecContext*, avcodec_alloc_context3, (const AVCodec* code
 FL_PASS_ON(kCodec, const AVCodec*, avcodec_find_decoder, (AVCodecID id), (id))
 FL_PASS_ON(kCodec, const AVCodec*, avcodec_find_encoder, (AVCodecID id), (id))
 FL_PASS_ON(kCodec, const AVCodec*, avcodec_find_encoder_by_name, (const char* name), (name))
+FL_PASS_ON(kCodec, void, avcodec_flush_buffers, (AVCodecContext* avctx), (avctx))
 FL_PASS_ON(kCodec, void, avcodec_free_context, (AVCodecContext** avctx), (avctx))
 FL_PASS_ON(kCodec, const char*, avcodec_get_name, (AVCodecID id), (id))
 FL_PASS_ON(kCodec, int, avcodec_open2,
@@ -137,6 +138,9 @@ FL_PASS_ON(kFormat, int, av_find_best_stream,
            (ic, type, wanted_stream_nb, related_stream, decoder_ret, flags))
 FL_PASS_ON(kFormat, int, av_interleaved_write_frame, (AVFormatContext* s, AVPacket* pkt), (s, pkt))
 FL_PASS_ON(kFormat, int, av_read_frame, (AVFormatContext* s, AVPacket* pkt), (s, pkt))
+FL_PASS_ON(kFormat, int, av_seek_frame,
+           (AVFormatContext* s, int stream_index, std::int64_t timestamp, int flags),
+           (s, stream_index, timestamp, flags))
 FL_PASS_ON(kFormat, int, av_write_trailer, (AVFormatContext* s), (s))
 FL_PASS_ON(kFormat, int, avformat_alloc_output_context2,
            (AVFormatContext** ctx, const AVOutputFormat* oformat, const char* format_name, const char* filename),

@@ -13,8 +13,8 @@ namespace {
 class DisplaysPass final : public Pass {
  public:
   DisplaysPass(const PassContext& context, BoundPipeline cells, BoundPipeline light)
-      : still_(context.resources.rig.display_still),
-        live_(context.resources.rig.display_live),
+      : rig_(context.resources.rig),
+        still_(rig_.display_still),
         tiles_x_(tile_groups(context.settings.width)),
         tiles_y_(tile_groups(context.settings.height)),
         cells_(std::move(cells)),
@@ -23,7 +23,8 @@ class DisplaysPass final : public Pass {
   void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
     record_jobs(commands, still_);
     still_.clear();  // images stay
-    record_jobs(commands, live_);
+    if (std::exchange(rig_.display_films_new, false)) record_jobs(commands, rig_.display_film);
+    record_jobs(commands, rig_.display_live);
     light_.bind(commands);
     vkCmdDispatch(commands, tiles_x_, tiles_y_, 1);
   }
@@ -39,7 +40,8 @@ class DisplaysPass final : public Pass {
     }
   }
 
-  DisplayJobs still_, live_;
+  RigTables& rig_;
+  DisplayJobs still_;
   std::uint32_t tiles_x_, tiles_y_;
   BoundPipeline cells_, light_;
 };

@@ -1,5 +1,5 @@
-// The pass of displays: the cells of their pixels (displaycells.comp), of images once, of pixel maps each frame; and
-// the displays themselves, and their light in the air and on surfaces (displays.comp).
+// The pass of displays: the cells of their pixels (displaycells.comp), of images once, of films with new pixels, of
+// pixel maps each frame; and the displays themselves, and their light in the air and on surfaces (displays.comp).
 #pragma once
 
 #include "render/pass.h"

@@ -1,7 +1,6 @@
 // footlight render: makes pictures and videos of a rig driven by a log, without a display.
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -11,6 +10,7 @@
 #include "render/frame.h"
 #include "render/quality.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/displays/display_videos.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/paths.h"
 #include "tools/footlight/pictures/exr_file.h"
@@ -24,6 +24,7 @@
 #include "tools/footlight/pictures/video_file.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/progress.h"
+#include "tools/footlight/status/status_text.h"
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
@@ -67,20 +68,6 @@ struct Options {
 constexpr DurationNs kStillExposureNs = 20 * kNsPerMs;
 
 bool is_video(const std::string& path) { return path.size() > 4 && path.compare(path.size() - 4, 4, ".mp4") == 0; }
-
-// "X,Y", pixels from the top left.
-Result<std::pair<int, int>> parse_probe(const std::string& probe) {
-  int x = -1;
-  int y = -1;
-  const char* end = probe.data() + probe.size();
-  const auto first = std::from_chars(probe.data(), end, x);
-  const bool comma = first.ec == std::errc{} && first.ptr != end && *first.ptr == ',';
-  const auto second = comma ? std::from_chars(first.ptr + 1, end, y) : first;
-  if (!comma || second.ec != std::errc{} || second.ptr != end || x < 0 || y < 0) {
-    return fail(ErrorCode::kBadInput, "--probe {}: expected X,Y in pixels from the top left, as in 640,360", probe);
-  }
-  return std::pair{x, y};
-}
 
 Status check_options(const Options& options) {
   if (options.out.empty()) {
@@ -189,7 +176,7 @@ Result<Chosen> choose_settings(const Options& options) {
 class Job {
  public:
   Job(const Options& options, const StopSignal& stop, Timeline* timeline, render::Frame& frame,
-      const render::View& view, double exposure_ev, std::string settings)
+      const render::View& view, double exposure_ev, std::string settings, DisplayVideos videos)
       : options_(options),
         stop_(stop),
         timeline_(timeline),
@@ -197,6 +184,7 @@ class Job {
         view_(view),
         exposure_ev_(exposure_ev),
         settings_(std::move(settings)),
+        videos_(std::move(videos)),
         shown_(shown_view_of(options.show).value_or(ShownView::kPicture)) {
     const bool watches = shown_ == ShownView::kPicture && options.flashes != "ignore" && options.every_ns > 0 &&
                          options.every_ns <= kFlashPauseMaxNs;
@@ -220,6 +208,8 @@ class Job {
     }
     if (stop_.came()) return {};
     if (number_ > 0) frame_.adapt_for(at_ns - last_ns_);
+    FL_TRY(videos_.show(at_ns, frame_));
+    for (const std::string& line : videos_.take_news()) fmt::print(stderr, "footlight: {}\n", printable_utf8(line));
     FL_TRY(frame_.draw(view_, exposure_ev_));
     FL_ASSIGN(exr.exposure_ev, frame_.read_exposure_ev());
     if (shown_ == ShownView::kPicture) {
@@ -413,6 +403,7 @@ class Job {
   const render::View& view_;
   double exposure_ev_;
   std::string settings_;  // JSON, for the files
+  DisplayVideos videos_;
   ShownView shown_;
   std::string legend_;
   render::ScreenImage picture_;
@@ -430,6 +421,7 @@ Result<int> render_pictures(const Options& options) {
   FL_ASSIGN(const PictureSize size, parse_size(options.size));
   FL_ASSIGN(fixtures::Rig rig, load_scene_rig(options.files));
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options.files));
+  FL_ASSIGN(DisplayVideos videos, DisplayVideos::open(rig, ClipPace::kExact));
   const bool by_hand = options.lit || !options.sets.empty();
   add_start_view(rig, static_cast<double>(size.width) / size.height, log || by_hand);
   FL_ASSIGN(const fixtures::Camera camera, find_camera(rig, options.camera));
@@ -483,7 +475,7 @@ Result<int> render_pictures(const Options& options) {
   const render::View view = render::view_of(camera);
   device->lose_from_environment();
   Job job(options, stop, timeline ? &*timeline : nullptr, *frame, view, exposure_ev,
-          render::json_of(frame->settings(), FOOTLIGHT_VERSION, chosen.error));
+          render::json_of(frame->settings(), FOOTLIGHT_VERSION, chosen.error), std::move(videos));
 
   if (options.at_ns >= 0) {
     FL_TRY(job.take(options.at_ns, options.exposure_ns >= 0 ? options.exposure_ns : kStillExposureNs));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -48,6 +49,19 @@ Result<ShownView> shown_view_of(std::string_view word) {
     if (word == name) return view;
   }
   return fail(ErrorCode::kBadInput, "--show {}: expected picture, classes, hits, steps, lux or error", word);
+}
+
+Result<std::pair<int, int>> parse_probe(const std::string& probe) {
+  int x = -1;
+  int y = -1;
+  const char* end = probe.data() + probe.size();
+  const auto first = std::from_chars(probe.data(), end, x);
+  const bool comma = first.ec == std::errc{} && first.ptr != end && *first.ptr == ',';
+  const auto second = comma ? std::from_chars(first.ptr + 1, end, y) : first;
+  if (!comma || second.ec != std::errc{} || second.ptr != end || x < 0 || y < 0) {
+    return fail(ErrorCode::kBadInput, "--probe {}: expected X,Y in pixels from the top left, as in 640,360", probe);
+  }
+  return std::pair{x, y};
 }
 
 Result<render::FrameView> frame_view_of(ShownView shown, bool has_panes) {

@@ -1,7 +1,9 @@
 // Pictures of how a frame was computed, and of the light on surfaces: the words of --show.
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "render/image.h"
@@ -21,6 +23,9 @@ enum class ShownView {
 
 // "picture", "classes", "hits", "steps", "lux" or "error"; kBadInput for others.
 [[nodiscard]] Result<ShownView> shown_view_of(std::string_view word);
+
+// "X,Y", pixels from the top left: --probe.
+[[nodiscard]] Result<std::pair<int, int>> parse_probe(const std::string& probe);
 
 // What the frame writes for it. kBadInput for kSteps of a rig without panes.
 [[nodiscard]] Result<render::FrameView> frame_view_of(ShownView shown, bool has_panes);

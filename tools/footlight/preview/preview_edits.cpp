@@ -168,6 +168,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       error_.reset();
       error_tried_ = error_drawn_ = shown_ = false;
       frame_ = std::move((*made)->frame);
+      videos_.show_all_again();
       if ((*made)->player) player_ = std::move((*made)->player);
       curve_.reset();
       const SharedScene before = std::exchange(framed_, std::exchange(making_scene_, nullptr));

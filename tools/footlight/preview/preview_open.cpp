@@ -36,6 +36,7 @@ Status Preview::load_rig(double aspect) {
   FL_ASSIGN(RigFile file, open_file());
   FL_ASSIGN(edited_, EditedScene::make(std::move(file), options_.files, aspect, by_hand()));
   framed_ = edited_->scene();
+  FL_ASSIGN(videos_, DisplayVideos::open(framed_->rig, ClipPace::kAhead));
   return {};
 }
 

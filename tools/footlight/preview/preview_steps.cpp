@@ -5,6 +5,7 @@
 
 #include "fixtures/displays/pixel_slots.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -77,6 +78,20 @@ std::span<const std::uint8_t> Preview::panel_levels() {
   }
   desk_->overlay(panel_levels_);
   return panel_levels_;
+}
+
+// At the time of the log; without one at that since the preview began. A video that fails leaves its last picture.
+void Preview::show_videos() {
+  const Status shown = videos_.show(player_ ? player_->now_ns() : last_ns_ - start_ns_, *frame_);
+  std::vector<std::string> news = videos_.take_news();
+  if (!shown) {
+    news.push_back(shown.error().message + "; the displays keep their last picture");
+    videos_ = {};
+  }
+  for (const std::string& line : news) {
+    if (!options_.json) fmt::print(stderr, "footlight: {}\n", printable_utf8(line));
+    tell(line);
+  }
 }
 
 Status Preview::step_levels(DurationNs dt_ns) {

@@ -110,6 +110,7 @@ Status Preview::turn() {
   FL_TRY(update_error());
   follow_inputs();
   FL_TRY(step_levels(dt_ns));
+  show_videos();
   drive_outputs();
   frame_->adapt_for(dt_ns);    // also while the log is paused
   if (window_->minimised()) {  // the fixtures continue without pictures
@@ -275,6 +276,7 @@ Status Preview::rebuild(const PixelRect& where) {
     FL_TRY(frame_->change(settings));
   } else {
     FL_ASSIGN(frame_, render::Frame::create(*device_, framed_->rig, framed_->compiled, settings));
+    videos_.show_all_again();
     print_warnings(frame_->resources().rig.diagnostics);
     if (hand_) frame_->settle_machine_air(hand_->levels());
   }

@@ -21,6 +21,7 @@
 #include "sim/pattern.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge/open_ports.h"
+#include "tools/footlight/displays/display_videos.h"
 #include "tools/footlight/edit/autosave.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/edited_scene.h"
@@ -80,6 +81,7 @@ class Preview {
 
   // What drives the fixtures: preview_steps.cpp.
   Status step_levels(DurationNs dt_ns);
+  void show_videos();
   [[nodiscard]] std::unique_ptr<LogPlayer> make_player(SharedScene scene);
   [[nodiscard]] LogPlayer::Driven driven();
   Status work_at_index();
@@ -173,6 +175,7 @@ class Preview {
 
   std::unique_ptr<LiveOutputs> outputs_;  // null: there are none
   OutputsView outputs_view_;
+  DisplayVideos videos_;             // of displays; none after one has failed
   bool outputs_told_ = false;        // that there are some, with the first picture
   TimeNs looked_ns_ = 0;             // for devices that are plugged in
   std::string markers_path_;         // empty: they are not saved

@@ -13,6 +13,7 @@
 #include "render/frame.h"
 #include "render/reference/report.h"
 #include "render/reference/time_judges.h"
+#include "tools/footlight/displays/display_videos.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/paths.h"
 #include "tools/footlight/pictures/knob_curves.h"
@@ -123,6 +124,7 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
   }
   Scene scene;
   FL_ASSIGN(scene.rig, load_scene_rig(files));
+  FL_TRY(hold_videos(scene.rig, at_ns));
   add_start_view(scene.rig, aspect, true);
   if (by_hand) give_hand_addresses(scene.rig);
   FL_ASSIGN(scene.compiled, fixtures::compile(scene.rig));

@@ -1,6 +1,7 @@
 #include "tools/footlight/vrsl/video_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 
@@ -31,9 +32,7 @@ class AvVideoReader final : public VideoReader {
     sws_freeContext(scaler_);
     av_frame_free(&frame_);
     av_frame_free(&before_);
-    av_packet_free(&packet_);
-    avcodec_free_context(&codec_);
-    avformat_close_input(&format_);
+    close();
   }
 
   Status open();
@@ -41,8 +40,19 @@ class AvVideoReader final : public VideoReader {
                                                   DurationNs wait_ns) override;
   [[nodiscard]] const VideoFacts& facts() const override { return facts_; }
   [[nodiscard]] const VideoCounters& counters() const override { return counters_; }
+  [[nodiscard]] Result<VideoTimes> read_times() override;
+  Status seek(DurationNs time_ns) override;
 
  private:
+  void close() {
+    av_packet_free(&packet_);
+    avcodec_free_context(&codec_);
+    avformat_close_input(&format_);
+  }
+  Status open_again();
+  [[nodiscard]] DurationNs time_of(std::int64_t pts) const {
+    return av_rescale_q(pts - first_pts_.value_or(0), stream_->time_base, AVRational{1, static_cast<int>(kNsPerS)});
+  }
   Status open_decoder(const AVCodec* decoder);
   void read_facts();
   void send_next_packet();
@@ -67,6 +77,7 @@ class AvVideoReader final : public VideoReader {
   std::int64_t last_pts_ = 0;
   bool draining_ = false;
   bool wait_for_key_ = false;
+  bool sought_ = false;  // wait_for_key_ is since a seek, not since damage
 };
 
 Status AvVideoReader::open() {
@@ -89,7 +100,8 @@ Status AvVideoReader::open() {
   if (index == AVERROR_DECODER_NOT_FOUND) {
     return fail(ErrorCode::kUnsupported, "{}: the installed libavcodec cannot decode its video", path_);
   }
-  if (index < 0) return fail(ErrorCode::kBadInput, "{}: has no video, only other streams", path_);
+  if (index < 0)
+    return fail(ErrorCode::kBadInput, "{}: has no video, only other streams; use a file with pictures", path_);
   stream_ = format_->streams[index];
   for (unsigned i = 0; i < format_->nb_streams; ++i) {
     if (static_cast<int>(i) != index) format_->streams[i]->discard = AVDISCARD_ALL;
@@ -106,8 +118,8 @@ Status AvVideoReader::open_decoder(const AVCodec* decoder) {
                 stream_->codecpar->width, stream_->codecpar->height, drivers::kGridSizeMaxPx);
   }
   codec_ = avcodec_alloc_context3(decoder);
-  frame_ = av_frame_alloc();
-  before_ = av_frame_alloc();
+  if (frame_ == nullptr) frame_ = av_frame_alloc();
+  if (before_ == nullptr) before_ = av_frame_alloc();
   packet_ = av_packet_alloc();
   FL_TRY(av_check(avcodec_parameters_to_context(codec_, stream_->codecpar), path_, "describing the video",
                   ErrorCode::kBadInput));
@@ -155,8 +167,9 @@ void AvVideoReader::send_next_packet() {
 bool AvVideoReader::is_damaged() {
   if (frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
     wait_for_key_ = true;
+    sought_ = false;
   } else if (frame_->key_frame != 0) {
-    wait_for_key_ = false;
+    wait_for_key_ = sought_ = false;
   }
   return wait_for_key_;
 }
@@ -178,7 +191,7 @@ Result<drivers::PictureStep> AvVideoReader::next(drivers::Picture& picture, std:
       continue;
     }
     if (is_damaged()) {
-      ++counters_.damaged;
+      if (!sought_) ++counters_.damaged;
       continue;
     }
     FL_TRY(convert(picture));
@@ -187,10 +200,60 @@ Result<drivers::PictureStep> AvVideoReader::next(drivers::Picture& picture, std:
     if (pts == AV_NOPTS_VALUE) pts = first_pts_ ? last_pts_ + std::max<std::int64_t>(frame_->pkt_duration, 1) : 0;
     if (!first_pts_) first_pts_ = pts;
     last_pts_ = pts;
-    time_ns = av_rescale_q(pts - *first_pts_, stream_->time_base, AVRational{1, static_cast<int>(kNsPerS)});
+    time_ns = time_of(pts);
     std::swap(frame_, before_);
     return drivers::PictureStep::kPicture;
   }
+}
+
+Status AvVideoReader::open_again() {
+  close();
+  draining_ = wait_for_key_ = sought_ = false;
+  last_pts_ = 0;
+  return open();
+}
+
+// Packets are in the order of decoding, times in that of showing. Packets without a time follow the one before.
+Result<VideoTimes> AvVideoReader::read_times() {
+  struct Entry {
+    std::int64_t pts;
+    std::int64_t length;
+    bool key;
+  };
+  std::vector<Entry> entries;
+  const auto usual = facts_.pictures_hz > 0 ? std::llround(1 / (facts_.pictures_hz * av_q2d(stream_->time_base))) : 1;
+  while (av_read_frame(format_, packet_) >= 0) {
+    if (packet_->stream_index == stream_->index && (packet_->flags & AV_PKT_FLAG_DISCARD) == 0) {
+      std::int64_t pts = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
+      if (pts == AV_NOPTS_VALUE) pts = entries.empty() ? 0 : entries.back().pts + entries.back().length;
+      const std::int64_t length = packet_->duration > 0 ? packet_->duration : std::max<std::int64_t>(usual, 1);
+      entries.push_back({pts, length, (packet_->flags & AV_PKT_FLAG_KEY) != 0});
+    }
+    av_packet_unref(packet_);
+  }
+  if (entries.empty()) return fail(ErrorCode::kBadInput, "{}: has no pictures; use another file", path_);
+  std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.pts < b.pts; });
+  first_pts_ = entries.front().pts;
+  VideoTimes times;
+  for (const Entry& entry : entries) {
+    const DurationNs start_ns = time_of(entry.pts);
+    if (!times.starts_ns.empty() && start_ns <= times.starts_ns.back()) continue;  // fields of one picture
+    times.starts_ns.push_back(start_ns);
+    times.keys.push_back(entry.key);
+  }
+  times.end_ns = std::max(time_of(entries.back().pts + entries.back().length), times.starts_ns.back() + kNsPerMs);
+  FL_TRY(open_again());
+  return times;
+}
+
+Status AvVideoReader::seek(DurationNs time_ns) {
+  const std::int64_t pts =
+      first_pts_.value_or(0) + av_rescale_q(time_ns, AVRational{1, static_cast<int>(kNsPerS)}, stream_->time_base);
+  if (time_ns <= 0 || av_seek_frame(format_, stream_->index, pts, AVSEEK_FLAG_BACKWARD) < 0) return open_again();
+  avcodec_flush_buffers(codec_);
+  draining_ = false;
+  wait_for_key_ = sought_ = true;
+  return {};
 }
 
 std::optional<YuvView> AvVideoReader::planes_of(const AVFrame& frame) const {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "drivers/vrsl/picture_port.h"
 
@@ -32,6 +33,13 @@ struct VideoCounters {
   bool cut_off = false;  // the file ends within a packet, or before its index
 };
 
+// When the pictures of a file are due, from the first one, as its packets state it. Without decoding.
+struct VideoTimes {
+  std::vector<DurationNs> starts_ns;  // ascending
+  std::vector<bool> keys;             // of each, whether it needs none before it
+  DurationNs end_ns = 0;              // of the last one
+};
+
 // Times are those of the stream, from its first picture. The picture that is passed to next() must be the same and
 // unchanged from call to call: only rows that differ from the picture before are written.
 class VideoReader : public drivers::PictureInput {
@@ -41,6 +49,11 @@ class VideoReader : public drivers::PictureInput {
   [[nodiscard]] static Result<std::unique_ptr<VideoReader>> open(const std::string& path);
   [[nodiscard]] virtual const VideoFacts& facts() const = 0;
   [[nodiscard]] virtual const VideoCounters& counters() const = 0;
+  // Reads the whole file once; next() then begins at its start. Errors: kBadInput (no pictures in it).
+  [[nodiscard]] virtual Result<VideoTimes> read_times() = 0;
+  // next() then begins at a picture that needs none before it, if possible one that is due at time_ns or before. A file
+  // that cannot be sought is read from its start.
+  virtual Status seek(DurationNs time_ns) = 0;
 };
 
 // True for names that end as those of video files do.

@@ -1,0 +1,53 @@
+#include "render/display_films.h"
+
+#include <cstring>
+
+#include "render/display_tables.h"
+#include "sim/core/check.h"
+
+namespace footlight::render {
+
+static_assert(sizeof(glm::vec3) == 3 * sizeof(float), "a pixel of an image is one of the lowest level of cells");
+
+Status DisplayFilms::create(vk::Device& device, const MemoryShape& shape) {
+  const auto& displays = shape.rig.displays;
+  VkDeviceSize bytes = 0;
+  DisplayTables tables;
+  for (std::size_t i = 0; i < displays.size(); ++i) {
+    if (!fixtures::shows_film(displays[i])) continue;
+    if (films_.empty()) tables = display_tables(shape.rig, shape.compiled);
+    const auto first = VkDeviceSize{tables.levels[tables.rows[i].level_first].first} * sizeof(std::uint32_t);
+    films_.push_back({i, displays[i].columns, displays[i].rows, bytes, first, nullptr});
+    bytes += static_cast<VkDeviceSize>(displays[i].columns) * static_cast<VkDeviceSize>(displays[i].rows) *
+             sizeof(glm::vec3);
+  }
+  if (bytes > 0) {
+    FL_ASSIGN(staged_, vk::Buffer::host_visible(device, bytes, 0));
+  }
+  return {};
+}
+
+void DisplayFilms::show(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
+  for (Film& film : films_) {
+    if (film.display != display) continue;
+    FL_CHECK_EQ(pixels->width, film.columns);
+    FL_CHECK_EQ(pixels->height, film.rows);
+    film.pixels = pixels;
+  }
+}
+
+void DisplayFilms::record(VkCommandBuffer commands, RigTables& rig) {
+  if (rig.display_cells.handle == VK_NULL_HANDLE) return;
+  for (Film& film : films_) {
+    if (!film.pixels) continue;
+    const VkDeviceSize size = film.pixels->texels.size() * sizeof(glm::vec3);
+    std::memcpy(static_cast<std::byte*>(staged_.mapped) + film.staged, film.pixels->texels.data(), size);
+    const VkBufferCopy region{film.staged, film.cells, size};
+    vkCmdCopyBuffer(commands, staged_.handle, rig.display_cells.handle, 1, &region);
+    film.pixels.reset();
+    rig.display_films_new = true;
+  }
+  if (rig.display_films_new) vk::full_barrier(commands);
+}
+
+}  // namespace footlight::render

@@ -1,0 +1,77 @@
+#include "tools/footlight/displays/display_videos.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sim/core/counted.h"
+
+namespace footlight::tools {
+namespace {
+
+bool same_film(const fixtures::Display& a, const fixtures::Display& b) {
+  const fixtures::DisplayVideo &x = *a.video, &y = *b.video;
+  return a.columns == b.columns && a.rows == b.rows && x.path == y.path && x.start_s == y.start_s &&
+         x.speed == y.speed && x.loop == y.loop && x.gamma == y.gamma;
+}
+
+}  // namespace
+
+Result<DisplayVideos> DisplayVideos::open(const fixtures::Rig& rig, ClipPace pace) {
+  DisplayVideos videos;
+  for (std::size_t i = 0; i < rig.displays.size(); ++i) {
+    const fixtures::Display& display = rig.displays[i];
+    if (!fixtures::shows_film(display)) continue;
+    const auto same = std::find_if(videos.feeds_.begin(), videos.feeds_.end(), [&](const Feed& feed) {
+      return same_film(rig.displays[feed.displays.front()], display);
+    });
+    if (same != videos.feeds_.end()) {
+      same->displays.push_back(i);
+      continue;
+    }
+    auto feed = ClipFeed::open(display, pace);
+    if (!feed) {
+      return fail(feed.error().code, "[[display]] {}: video: {}", display.name, feed.error().message);
+    }
+    videos.feeds_.push_back({std::move(*feed), display.video->path, {i}, nullptr, false});
+  }
+  return videos;
+}
+
+Status DisplayVideos::show(DurationNs show_ns, render::Frame& frame) {
+  for (Feed& feed : feeds_) {
+    FL_ASSIGN(const ClipLight light, feed.feed->at(show_ns));
+    if (!light.pixels || light.pixels == feed.shown) continue;
+    for (const std::size_t display : feed.displays) frame.show_pixels(display, light.pixels);
+    feed.shown = light.pixels;
+  }
+  return {};
+}
+
+void DisplayVideos::show_all_again() {
+  for (Feed& feed : feeds_) feed.shown.reset();
+}
+
+std::vector<std::string> DisplayVideos::take_news() {
+  std::vector<std::string> news;
+  for (Feed& feed : feeds_) {
+    const std::size_t replaced = feed.told ? 0 : feed.feed->replaced();
+    if (replaced == 0) continue;
+    feed.told = true;
+    news.push_back(
+        fmt::format("{}: {} so far cannot be decoded; the last whole one stays in their place. Export the video again",
+                    feed.path, counted(replaced, "picture")));
+  }
+  return news;
+}
+
+Status hold_videos(fixtures::Rig& rig, DurationNs show_ns) {
+  for (fixtures::Display& display : rig.displays) {
+    if (!fixtures::shows_film(display)) continue;
+    FL_ASSIGN(const auto feed, ClipFeed::open(display, ClipPace::kExact));
+    FL_ASSIGN(const ClipLight light, feed->at(show_ns));
+    display.image = light.pixels;
+  }
+  return {};
+}
+
+}  // namespace footlight::tools
