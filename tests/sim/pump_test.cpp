@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "tests/sim/allocation_count.h"
+#include "tests/sim/pump_world.h"
 #include "tests/support/fake_ports.h"
 
 using namespace footlight;
@@ -18,47 +16,11 @@ using footlight::testing::FakeClock;
 using footlight::testing::FakeSink;
 using footlight::testing::FakeSource;
 using footlight::testing::FakeWaiter;
+using footlight::testing::kFrameNs;
+using footlight::testing::make_desk;
+using footlight::testing::World;
 
 namespace {
-
-constexpr DurationNs kFrameNs = kNsPerS / 40;
-
-// A pump with scripted ports around it.
-struct World {
-  FakeClock clock;
-  FakeWaiter waiter{clock};
-  Universes universes;
-  std::vector<std::string> notices;
-  std::unique_ptr<Pump> pump_owner;
-
-  explicit World(PumpOptions options = {}) {
-    options.on_notice = [this](const Notice& notice) { notices.emplace_back(notice.text); };
-    pump_owner = std::make_unique<Pump>(universes, clock, waiter, options);
-  }
-  Pump& pump() { return *pump_owner; }
-  TimeNs now_ns() { return clock.now_ns(); }
-  void run_until(TimeNs time_ns) {
-    waiter.at(time_ns, [this] { waiter.interrupt(); });
-    while (clock.now_ns() < time_ns) pump().step();
-  }
-  void run_for(DurationNs duration_ns) { run_until(clock.now_ns() + duration_ns); }
-  int level(Universe universe) {
-    std::array<std::uint8_t, kSlotCountMax> levels;
-    FrameStamp stamp;
-    universes.snapshot(universes.index_of(universe), levels, stamp);
-    return levels[0];
-  }
-};
-
-// A source that sends one level of one universe 40 times a second from its own deadline, as long as `alive`.
-void make_desk(FakeSource& source, FakeClock& clock, Universe universe, std::uint8_t priority, std::uint8_t& level,
-               bool& alive) {
-  source.deadline_ns = clock.now_ns() + kFrameNs;
-  source.repeat_ns = kFrameNs;
-  source.before_poll = [&source, universe, priority, &level, &alive](TimeNs) {
-    if (alive) source.give(universe, level, priority);
-  };
-}
 
 std::vector<int> levels_sent(const FakeSink& sink) {
   std::vector<int> levels;
@@ -736,44 +698,6 @@ TEST_CASE("after its start the pump allocates nothing, in ten minutes of traffic
   CHECK(world.pump().status().universes[0].merge.senders_silent > 100);
 }
 
-TEST_CASE("another thread may read buffer and status while the pump runs") {
-  World world;
-  FakeSource source(world.waiter, "desk", {1});
-  FakeSink sink(world.waiter, "dongle", {1}, 20.0);
-  std::uint8_t level = 3;
-  bool alive = true;
-  make_desk(source, world.clock, 1, 100, level, alive);
-  sink.keep_history = false;
-  world.pump().add_source(source);
-  world.pump().add_sink(sink);
-  world.pump().start();
-  std::atomic<bool> done{false};
-  std::uint64_t backwards = 0, torn = 0;
-  std::jthread preview([&] {
-    std::array<std::uint8_t, kSlotCountMax> levels;
-    FrameStamp stamp;
-    std::uint64_t ticks = 0;
-    while (!done) {
-      world.universes.snapshot(0, levels, stamp);
-      if (stamp.revision != 0 && levels[0] != 3) ++torn;
-      const PumpStatus status = world.pump().latest_status();
-      if (status.ticks < ticks) ++backwards;
-      ticks = status.ticks;
-      if (status.ports.size() != 2 || status.ports[0].name != "desk") ++torn;
-    }
-  });
-  world.run_for(120 * kNsPerS);
-  done = true;
-  preview.join();
-  CHECK(backwards == 0);
-  CHECK(torn == 0);
-  static_cast<void>(world.pump().latest_status());  // requests the first status
-  world.run_for(2 * kNsPerS);
-  const PumpStatus status = world.pump().latest_status();
-  CHECK(status.stamp_ns > world.now_ns() - 2 * kNsPerS);
-  CHECK(status.ports[1].rate_hz == doctest::Approx(20.0).epsilon(0.1));
-}
-
 TEST_CASE("No rate is above 100 Hz after a device that times its line itself replaces one that does not") {
   World world;
   FakeSource source(world.waiter, "desk", {1});
@@ -1029,24 +953,6 @@ TEST_CASE("call runs a job on the pump's thread in the next step, in order, and 
   world.pump().call([&] { done.push_back(3); });
   world.pump().stop();
   CHECK(done == std::vector<int>{1, 2, 3});
-}
-
-TEST_CASE("another thread's jobs are all run, on the pump's thread") {
-  World world;
-  FakeSource source(world.waiter, "desk", {1});
-  std::uint8_t level = 1;
-  bool alive = true;
-  make_desk(source, world.clock, 1, 100, level, alive);
-  world.pump().add_source(source);
-  world.pump().start();
-  int count = 0;  // used by the pump's thread
-  std::jthread caller([&] {
-    for (int i = 0; i < 1'000; ++i) world.pump().call([&] { ++count; });
-  });
-  world.run_for(60 * kNsPerS);
-  caller.join();
-  world.pump().stop();
-  CHECK(count == 1'000);
 }
 
 TEST_CASE("a source added while the pump runs delivers at once, and a removed one no more") {
