@@ -225,7 +225,7 @@ class Job {
       progress_.clear();
       fmt::print(stderr,
                  "footlight: {} of {} shadows are missing in this picture, since there is no room for them; "
-                 "use fewer boxes or beams\n",
+                 "use --shadows maps, or fewer boxes or beams\n",
                  counts.shadows_lost, counts.shadows);
       lost_shadows_ = true;
     }
