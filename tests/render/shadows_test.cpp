@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "render/shadow_tables.h"
 #include "render/frame.h"
 #include "render/reference/judge.h"
 #include "render/reference/norms.h"
@@ -92,6 +93,50 @@ TEST_CASE("shadow maps come nearer to the judge with more texels, in the air and
     CHECK(must(frame->read_counts()).shadows_lost == 0);
   }
   CHECK(before < 1e-2);
+}
+
+TEST_CASE("shadow maps suit rigs with more than a million pairs, with fewer texels where tables are small") {
+  Scene scene = optics_scene(false);
+  for (int i = 0; i < 1200; ++i) scene.rig.boxes.push_back({"box", {0, 1, 0}, {1, 2, 1}, glm::dvec3(0.5)});
+  scene.compile();
+  const auto suited = [&](std::uint32_t beams, std::uint32_t px, std::uint64_t range_bytes = FL_MAP_BYTES_MAX) {
+    fixtures::CompiledRig compiled = scene.compiled;
+    compiled.beams_max = beams;
+    FrameSettings settings = judged_settings();
+    settings.shadow_map_px = px;
+    return suited_map_px({scene.rig, compiled, compiled.needs, settings}, range_bytes);
+  };
+  CHECK(suited(800, kShadowsSuited) == 0);
+  CHECK(suited(900, kShadowsSuited) == 64);
+  CHECK(suited(800, 128) == 128);
+  CHECK(suited(900, 0) == 0);
+  CHECK(suited(40'000, kShadowsSuited) == 32);
+  CHECK(suited(1000, 64, 5'000'000) == 32);
+  CHECK(suited(1000, 64, 1'000'000) == 0);
+  FrameSettings off = judged_settings();
+  off.shadows = false;
+  CHECK(suited_map_px({scene.rig, scene.compiled, scene.compiled.needs, off}, FL_MAP_BYTES_MAX) == 0);
+}
+
+TEST_CASE("a frame made for shadow maps refuses exact shadows, and the other way round") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = optics_scene(false);
+  scene.rig.boxes.push_back({"box", {-0.6, 3, 2.9}, {0.1, 3.3, 3.2}, glm::dvec3(0.5)});
+  scene.compile();
+  FrameSettings settings = judged_settings(16, 9);
+  settings.shadow_map_px = 32;
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  CHECK(frame->settings().shadow_map_px == 32);
+  settings.shadow_map_px = 0;
+  const auto refused = frame->change(settings);
+  REQUIRE(!refused);
+  CHECK(refused.error().message.find("made for shadow maps: expected a new frame") != std::string::npos);
+  settings.shadow_map_px = kShadowsSuited;
+  CHECK(frame->change(settings));
+  CHECK(frame->settings().shadow_map_px == 32);
+  settings.shadow_map_px = 48;
+  CHECK(!frame->change(settings));
 }
 
 TEST_CASE("whatever shapes a beam, its light behind a box is dark as the judge computes it") {
@@ -327,8 +372,12 @@ TEST_CASE("a beam that is blocked at its lens gives no light, and 5,000 shadows 
   Scene scene = optics_scene(false);
   scene.rig.boxes.push_back({"around the lamp", {-0.5, -0.5, 2.5}, {0.5, 0.5, 3.5}, glm::dvec3(0.5)});
   scene.compile();
-  const RadianceImage dark = draw_new(vulkan.device(), scene, judged_settings());
-  CHECK(*std::max_element(dark.rgb.begin(), dark.rgb.end()) == 0);
+  FrameSettings settings = judged_settings();
+  for (const std::uint32_t px : {0u, 64u}) {
+    settings.shadow_map_px = px;
+    const RadianceImage dark = draw_new(vulkan.device(), scene, settings);
+    CHECK(*std::max_element(dark.rgb.begin(), dark.rgb.end()) == 0);
+  }
 
   scene = optics_scene(false);
   for (int i = 0; i < 5000; ++i) {

@@ -8,9 +8,10 @@ const uint kMapCells = uint(FL_MAP_CELLS);
 const uint kMapWords = kMapPx * kMapPx + kMapCells * kMapCells;
 const uint kMapCellPx = kMapPx > kMapCells ? kMapPx / kMapCells : 1u;
 
-// Distances in half floats; the largest stands for none.
+// Distances in half floats; the largest stands for none. A lens inside a body gives no light, not even at 0.
 vec2 map_distances(uint word) {
   vec2 at = unpackHalf2x16(word);
+  at = vec2(at.x > 0.0 ? at.x : -1.0, at.y > 0.0 ? at.y : -1.0);
   return vec2(at.x < 65504.0 ? at.x : FL_FAR_M, at.y < 65504.0 ? at.y : FL_FAR_M);
 }
 // Of a texel: first body met, first body passed.

@@ -35,6 +35,7 @@
 #include "tests/support/headless_vulkan.h"
 #include "tests/tools/footlight/run_footlight.h"
 #include "tools/demo_show/demo_assets.h"
+#include "tools/footlight/pictures/frame_options.h"
 #include "tools/footlight/pictures/exr_file.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/pictures/timeline.h"
@@ -155,6 +156,26 @@ TEST_CASE("a picture that cannot be written is reported with its name and the re
     CHECK(status.error().message.find("disk full") != std::string::npos);
     CHECK(!std::filesystem::exists(path));
     CHECK(!std::filesystem::exists(path + ".part"));
+  }
+}
+
+TEST_CASE("--shadows chooses exact cuts or maps of so many texels, and refuses other words with what is expected") {
+  render::FrameSettings settings;
+  REQUIRE(tools::take_shadows("on", settings));
+  CHECK(settings.shadows);
+  CHECK(settings.shadow_map_px == render::kShadowsSuited);
+  REQUIRE(tools::take_shadows("exact", settings));
+  CHECK(settings.shadow_map_px == 0);
+  REQUIRE(tools::take_shadows("maps", settings));
+  CHECK(settings.shadow_map_px == 64);
+  REQUIRE(tools::take_shadows("maps:256", settings));
+  CHECK(settings.shadow_map_px == 256);
+  REQUIRE(tools::take_shadows("off", settings));
+  CHECK(!settings.shadows);
+  for (const char* word : {"", "On", "maps:", "maps:48", "maps:512", "maps:64x"}) {
+    const Status refused = tools::take_shadows(word, settings);
+    REQUIRE(!refused);
+    CHECK(refused.error().message.find(std::string("--shadows ") + word + ": expected on, off, exact, maps") == 0);
   }
 }
 
