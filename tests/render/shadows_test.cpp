@@ -10,10 +10,10 @@
 #include <doctest/doctest.h>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "render/shadow_tables.h"
 #include "render/frame.h"
 #include "render/reference/judge.h"
 #include "render/reference/norms.h"
+#include "render/shadow_tables.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
 #include "tests/support/model_bytes.h"

@@ -35,8 +35,8 @@
 #include "tests/support/headless_vulkan.h"
 #include "tests/tools/footlight/run_footlight.h"
 #include "tools/demo_show/demo_assets.h"
-#include "tools/footlight/pictures/frame_options.h"
 #include "tools/footlight/pictures/exr_file.h"
+#include "tools/footlight/pictures/frame_options.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/pictures/timeline.h"
 
