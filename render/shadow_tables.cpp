@@ -59,8 +59,8 @@ std::uint64_t map_bytes(const MemoryShape& shape, std::uint32_t px) {
 }
 
 // Every beam may have a shadow of everything, up to what the entries of lists can number.
-std::uint64_t shadow_bytes_of(const MemoryShape& shape, std::size_t occluders) {
-  if (!has_shadows(shape.needs, shape.settings) || suited_map_px(shape, FL_MAP_BYTES_MAX) > 0) return sizeof(ShadowRow);
+std::uint64_t exact_bytes(const MemoryShape& shape, std::size_t occluders) {
+  if (!has_shadows(shape.needs, shape.settings)) return sizeof(ShadowRow);
   const std::uint64_t pairs = shape.compiled.beams_max * std::uint64_t{occluders};
   return std::clamp<std::uint64_t>(pairs, 1, FL_SHADOW_ROWS_MAX) * sizeof(ShadowRow);
 }
@@ -74,7 +74,10 @@ std::uint64_t shadow_list_bytes(const MemoryShape& shape) {
   return std::max<std::uint64_t>(beams, 1) * sizeof(ShadowListRow);
 }
 
-std::uint64_t shadow_bytes(const MemoryShape& shape) { return shadow_bytes_of(shape, planned_occluders(shape)); }
+std::uint64_t shadow_bytes(const MemoryShape& shape) {
+  if (suited_map_px(shape, FL_MAP_BYTES_MAX) > 0) return sizeof(ShadowRow);
+  return exact_bytes(shape, planned_occluders(shape));
+}
 
 std::uint64_t shadow_map_bytes(const MemoryShape& shape) {
   const std::uint32_t px = suited_map_px(shape, FL_MAP_BYTES_MAX);
@@ -102,9 +105,9 @@ Status make_shadow_tables(vk::Device& device, const MemoryShape& shape,
   FL_ASSIGN(r.shadow_maps,
             vk::Buffer::device_local(device, r.shadow_map_px > 0 ? map_bytes(shape, r.shadow_map_px) : 4,
                                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+  const std::uint64_t most = range / sizeof(ShadowRow) * sizeof(ShadowRow);
   const std::uint64_t bytes =
-      r.shadow_map_px > 0 ? sizeof(ShadowRow)
-                          : std::min(shadow_bytes_of(shape, rows.size()), range / sizeof(ShadowRow) * sizeof(ShadowRow));
+      r.shadow_map_px > 0 ? sizeof(ShadowRow) : std::min(exact_bytes(shape, rows.size()), most);
   FL_ASSIGN(r.shadows, vk::Buffer::device_local(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   return device.run_once([&](VkCommandBuffer commands) {
     vkCmdFillBuffer(commands, r.shadow_lists.handle, 0, VK_WHOLE_SIZE, 0);

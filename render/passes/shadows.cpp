@@ -84,7 +84,8 @@ const PassEntry kShadowsPass{
       return std::unique_ptr<Pass>(new ShadowsPass(std::move(steps), context.resources.rig));
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kOccludersComp}, {kShadowsComp}, {kPlacesComp}, {kPruneComp}, {kMapshadowsComp}};
+      return std::vector<std::vector<vk::Spirv>>{
+          {kOccludersComp}, {kShadowsComp}, {kPlacesComp}, {kPruneComp}, {kMapshadowsComp}};
     },
     "shadows of boxes and fixtures"};
 

@@ -141,8 +141,8 @@ void store_team_entries(bool stores, uint e, uint count, ShadowPicks picks, Shad
 // The dark part of a beam's light on the ray through a place, over J0 and sigma_s; its shadows are `count` team entries
 // from `first` on. known:
 // false where the place's ray may end at another surface than those of the pixels round it.
-float dark_light(uint id, BeamRow row, BeamShape beam, uint first, uint count, RectDepth depth, Medium medium, uint nodes,
-                 vec2 at, inout bool known) {
+float dark_light(uint id, BeamRow row, BeamShape beam, uint first, uint count, RectDepth depth, Medium medium,
+                 uint nodes, vec2 at, inout bool known) {
 #ifdef FL_HAZE_FIELD
   haze_begin(at);
 #endif

@@ -1,7 +1,7 @@
-// Shadow maps: for directions of light in a beam the distances along its axis at which it meets the first body, and at
-// which it has passed the first one. Light keeps its place rho in the gobo plane (shadow.h), so all behind that is dark,
-// and a chord is a straight line in the map: the map's error is where edges lie, to half a texel. Error: docs/numerics.md.
-// After shadow.glsl.
+// Shadow maps: for directions of light in a beam the distances along its axis at which it meets the first body, and
+// at which it has passed the first one. Light keeps its place rho in the gobo plane (shadow.h), so all behind that is
+// dark, and a chord is a straight line in the map: the map's error is where edges lie, to half a texel. Error:
+// docs/numerics.md. After shadow.glsl.
 layout(set = 0, binding = FL_BINDING_BEAM_MAPS, std430) readonly buffer ShadowMapsBuffer { uint shadow_maps[]; };
 
 const uint kMapCells = uint(FL_MAP_CELLS);
@@ -98,8 +98,8 @@ float map_lit(uint beam, BeamRow row, vec3 p) {
   return mix(mix(lit.x, lit.y, share.x), mix(lit.z, lit.w, share.x), share.y);
 }
 
-// Whether a place of a chord is behind a body. from, way: texels; depth, deeper: z over w and 1 over w, which are linear
-// in the chord's measure x.
+// Whether a place of a chord is behind a body. from, way: texels; depth, deeper: z over w and 1 over w, which are
+// linear in the chord's measure x.
 bool map_hides_chord(uint beam, vec2 from, vec2 way, vec2 depth, vec2 deeper, float x) {
   vec2 at = depth + deeper * x;
   return at.x > map_texel(beam, ivec2(floor(from + way * x))).x * at.y;
