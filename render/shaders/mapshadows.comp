@@ -41,6 +41,7 @@ const float kNone = 65504.0;  // the largest half float
 struct MapSolid {
   vec4 dual[3];
   vec4 rect;  // of rho: least x, y, most x, y
+  float slack_m;  // as OccluderRow
 };
 shared MapSolid solids[kThreads];
 shared uint solid_count;
@@ -59,12 +60,15 @@ MapSolid map_solid(OccluderRow occluder, BeamRow row, BeamShape beam) {
   [[unroll]] for (int i = 0; i < 3; ++i) {
     vec3 n = cross(solid.half_edge[(i + 1) % 3], solid.half_edge[(i + 2) % 3]);
     float reach = dot(n, solid.half_edge[i]);
+    is_solid = is_solid && abs(reach) > 1e-30;
     n /= abs(reach) > 1e-30 ? reach : 1e-30;
     result.dual[i] = vec4(n, -dot(n, solid.center));
   }
+  result.slack_m = occluder.half_edge_1.w;
   vec2 low = vec2(1e30);
   vec2 high = vec2(-1e30);
   bool is_whole = false;
+  bool is_solid = true;
   [[unroll]] for (int corner = 0; corner < 8; ++corner) {
     vec3 p = solid.center + ((corner & 1) != 0 ? 1.0 : -1.0) * solid.half_edge[0] +
              ((corner & 2) != 0 ? 1.0 : -1.0) * solid.half_edge[1] +
@@ -75,19 +79,26 @@ MapSolid map_solid(OccluderRow occluder, BeamRow row, BeamShape beam) {
     low = min(low, rho);
     high = max(high, rho);
   }
-  result.rect = is_whole ? vec4(-2.0, -2.0, 2.0, 2.0) : vec4(low, high);
+  result.rect = !is_solid ? vec4(3.0, 3.0, -3.0, -3.0) : is_whole ? vec4(-2.0, -2.0, 2.0, 2.0) : vec4(low, high);
   return result;
 }
 
-// Where light at rho is in a body: x to y along the axis; y below x: nowhere.
-vec2 inside_m(MapSolid solid, BeamShape beam, vec2 rho) {
+// Where light at rho is in a body: x to y along the axis; y below x: nowhere. lean_m: how much deeper the face that it
+// enters is a texel further, at most some 83 degrees.
+vec2 inside_m(MapSolid solid, BeamShape beam, vec2 rho, out float lean_m) {
   vec2 part = vec2(0.0, beam.range_m);
+  lean_m = 0.0;
   [[unroll]] for (int i = 0; i < 3; ++i) {
     float at = dot(solid.dual[i].xy, rho) * beam.lens_radius_m + solid.dual[i].w;
     float slope = dot(solid.dual[i].xy, rho) * beam.spread + solid.dual[i].z;
     float inverse = 1.0 / (abs(slope) > 1e-12 ? slope : 1e-12);
     vec2 ends = (vec2(-1.0, 1.0) - at) * inverse;
-    part = vec2(max(part.x, min(ends.x, ends.y)), min(part.y, max(ends.x, ends.y)));
+    float near = min(ends.x, ends.y);
+    if (near > part.x) {
+      part.x = near;
+      lean_m = min(length(solid.dual[i].xy) * abs(inverse), 8.0) * (beam.lens_radius_m + beam.spread * near) * kTexel;
+    }
+    part.y = min(part.y, max(ends.x, ends.y));
   }
   return part;
 }
@@ -135,10 +146,13 @@ void main() {
         MapSolid solid = solids[s];
         [[unroll]] for (int t = 0; t < 16; ++t) {
           vec2 rho = block_rho + kTexel * vec2(float(t & 3), float(t >> 2));
-          vec2 part = inside_m(solid, beam, rho);
+          float lean_m;
+          vec2 part = inside_m(solid, beam, rho, lean_m);
           bool hits = part.y > max(part.x, 1e-4) && part.x < part.y;
           met[t] = hits ? min(met[t], part.x) : met[t];
-          passed[t] = hits ? min(passed[t], part.y) : passed[t];
+          // A plate must not hide light from its own face, nor from what is as far behind it as it may be smaller.
+          float behind_m = max(part.y, part.x + 1.5 * lean_m + 2.0 * solid.slack_m);
+          passed[t] = hits ? min(passed[t], behind_m) : passed[t];
         }
       }
     }
@@ -147,7 +161,7 @@ void main() {
       if (at.x >= kBlock || at.y >= kBlock) continue;
       uvec2 texel = block + at;
       // What is nearer than half floats tell apart counts as at the lens.
-      uint word = packHalf2x16(min(vec2(met[t], passed[t]), kNone));
+      uint word = packHalf2x16(min(vec2(met[t], passed[t]), kNone)) & 0x7fff7fffu;
       shadow_maps[beam_index * kMapWords + kMapCells * kMapCells + texel.y * kMapPx + texel.x] = word;
       vec2 rho = block_rho + kTexel * vec2(at);
       if (length(rho) > 1.0 + 0.75 * kTexel) continue;  // no light of the beam is there

@@ -220,7 +220,8 @@ struct ShadowChord {
 // beam: as it is drawn; where that is wider than it is, its places across are brought back into the beam.
 ShadowChord shadow_chord(BeamRow row, BeamShape beam, Chord chord, vec3 ray) {
   float w = 0.5 * (chord.w_from + chord.w_to);
-  float narrow = (w - (beam.lens_radius_m - row.x_axis.w)) / w;
+  // In the map of the beam as it is drawn they stay where they are.
+  float narrow = kMaps ? 1.0 : (w - (beam.lens_radius_m - row.x_axis.w)) / w;
   vec4 back = vec4(narrow, narrow, 1.0, 1.0);
   ShadowChord ends;
   ends.from = back * vec4(chord.base + ray * chord.t_from_m, -1.0) / chord.w_from;

@@ -42,7 +42,7 @@ uint map_hides(uint beam, vec2 low, vec2 high, vec2 z_m) {
 }
 
 // What shadow_in_cell() gives for a list: FL_NONE where no light of the beam is hidden in the cell, an entry without
-// planes where all of it is.
+// planes only where all of it is.
 uint map_in_cell(uint beam, ShadowCell cell) {
   if (cell.near_m > cell.far_m) return FL_NONE;
   // Nearly at the apex places in the map are far off.
@@ -73,8 +73,9 @@ bool map_hides_in_sphere(uint beam, BeamRow row, vec3 center, float radius_m) {
   vec2 inverse = 1.0 / max(w, 0.5 * row.x_axis.w);
   vec2 low = center.xy - radius_m;
   vec2 high = center.xy + radius_m;
-  low = is_whole ? vec2(-1.0) : min(low * inverse.x, low * inverse.y);
-  high = is_whole ? vec2(1.0) : max(high * inverse.x, high * inverse.y);
+  const vec2 beside = vec2(2.0 / float(kMapPx));  // map_lit() reads a texel round a place
+  low = is_whole ? vec2(-1.0) : min(low * inverse.x, low * inverse.y) - beside;
+  high = is_whole ? vec2(1.0) : max(high * inverse.x, high * inverse.y) + beside;
   return (map_hides(beam, low, high, z_m) & 1u) != 0u;
 }
 

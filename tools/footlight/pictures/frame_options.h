@@ -16,7 +16,7 @@ namespace footlight::tools {
 Status take_shadows(const std::string& text, render::FrameSettings& settings);
 inline constexpr const char* kShadowsHelp =
     "exact: cut at the edges of what hides light; maps or maps:N: by shadow maps of 64 or N texels a side, whose time "
-    "does not grow with the number of things; on: as suits the rig; off: beams pass through boxes and fixtures, what "
+    "grows little with the number of things; on: as suits the rig; off: beams pass through boxes and fixtures, what "
     "they reflect does not [on]";
 // FrameSettings::bounce of "on" or "off".
 [[nodiscard]] Result<bool> parse_bounce(const std::string& text);

@@ -140,6 +140,7 @@ FrameSettings judged_settings(const PictureReportOptions& options) {
   settings.bodies = false;
   settings.widen_thin = false;
   settings.edge_samples = 0;
+  settings.shadow_map_px = 0;  // what other knobs do is not hidden behind the error of maps
   return settings;
 }
 
@@ -386,6 +387,8 @@ Status report_edges(vk::Device& device, const Scene& scene, const View& view, co
   whole.width = options.width;
   whole.height = options.height;
   whole.body_error_px = options.body_error_px;
+  whole.shadows = options.shadows;
+  whole.shadow_map_px = options.shadow_map_px;
   const int runs = std::min(options.runs, 3);  // a CPU takes seconds for each
   if (options.quick || !render::has_smooth_edges(scene.compiled.needs, whole) ||
       std::int64_t{whole.width} * whole.height > kEdgePixelsMax ||
@@ -493,7 +496,8 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     for (std::size_t p = 0; p < pass_ms.size(); ++p) {
       if (is_own(knob, frame->plan()[p].name)) row.own_ms += percentile(pass_ms[p], 0.5);
     }
-    if (settings.tile_error == defaults.tile_error && settings.gobo_taps == defaults.gobo_taps && settings.shadows) {
+    if (settings.tile_error == defaults.tile_error && settings.gobo_taps == defaults.gobo_taps && settings.shadows &&
+        settings.shadow_map_px == 0) {
       report.passes.clear();
       for (std::size_t p = 0; p < pass_ms.size(); ++p) {
         report.passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});
