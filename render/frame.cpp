@@ -148,12 +148,13 @@ Status Frame::change(const FrameSettings& requested) {
   }
   if (settings.shadow_map_px == kShadowsSuited) settings.shadow_map_px = resources_.rig.shadow_map_px;
   if (has_shadows(needs, settings)) {
-    if ((settings.shadow_map_px > 0) != (resources_.rig.shadow_map_px > 0)) {
+    if (settings.shadow_map_px == 0 && resources_.rig.shadow_map_px > 0) {
+      return fail(ErrorCode::kBadInput, "the frame was made for shadow maps: expected a new frame");
+    }
+    if (settings.shadow_map_px > 0 && resources_.rig.shadow_map_px == 0) {
       return fail(ErrorCode::kBadInput,
-                  resources_.rig.shadow_map_px > 0
-                      ? "the frame was made for shadow maps: expected a new frame"
-                      : "the frame was made for exact shadows: expected a new frame, or fewer beams if the shadow maps "
-                        "of all of them do not fit into {} bytes",
+                  "the frame was made for exact shadows: expected a new frame, or fewer beams if shadow maps of all of "
+                  "them do not fit into {} bytes",
                   std::min<std::uint64_t>(FL_MAP_BYTES_MAX, device_.limits().maxStorageBufferRange));
     }
     settings.shadow_map_px = resources_.rig.shadow_map_px;
