@@ -51,6 +51,7 @@ shared uint farthest_bits[FL_MAP_CELLS * FL_MAP_CELLS];
 MapSolid map_solid(OccluderRow occluder, BeamRow row, BeamShape beam) {
   ShadowSolid solid = solid_of(occluder, row);
   MapSolid result;
+  bool is_solid = true;
   [[unroll]] for (int i = 0; i < 3; ++i) {
     // A plate has no thickness: a tenth of a millimetre stands for it.
     vec3 n = cross(solid.half_edge[(i + 1) % 3], solid.half_edge[(i + 2) % 3]);
@@ -68,7 +69,6 @@ MapSolid map_solid(OccluderRow occluder, BeamRow row, BeamShape beam) {
   vec2 low = vec2(1e30);
   vec2 high = vec2(-1e30);
   bool is_whole = false;
-  bool is_solid = true;
   [[unroll]] for (int corner = 0; corner < 8; ++corner) {
     vec3 p = solid.center + ((corner & 1) != 0 ? 1.0 : -1.0) * solid.half_edge[0] +
              ((corner & 2) != 0 ? 1.0 : -1.0) * solid.half_edge[1] +

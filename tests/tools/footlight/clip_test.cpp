@@ -254,6 +254,9 @@ TEST_CASE("a file that is no video of a display is said to be so, with its name 
   write_bytes(folder.file("sound.wav"), testing::wav_bytes(std::vector<float>(4'800, 0.1f), 1, 48'000));
   CHECK(has(error_of(folder.file("sound.wav")), "sound.wav: has no video, only other streams; use a file with"));
   CHECK(error_of(folder.path().string()) != "no error");
+  write_clip(folder.file("part.mkv"), 2);
+  write_bytes(folder.file("list.mp4"), "ffconcat version 1.0\nfile part.mkv\n");
+  CHECK(has(error_of(folder.file("list.mp4")), "list.mp4: a list of other files (concat): expected one file"));
 }
 
 TEST_CASE("damaged pictures are replaced by the last whole one before them, in any order, and counted") {

@@ -68,7 +68,8 @@ void Preview::print_second() {
   line["blackout"] = outputs_view_.darkness != Darkness::kNone;
   if (player_) line["time_ns"] = player_->now_ns();
   if (player_ && player_->index() != nullptr) line["indexed_ns"] = player_->index()->known_ns();
-  fmt::print("{}\n", line.dump());
+  // Names of inputs are the user's, and need not be UTF-8.
+  fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   std::fflush(stdout);
 }
 

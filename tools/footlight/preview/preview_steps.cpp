@@ -85,8 +85,10 @@ void Preview::show_videos() {
   const Status shown = videos_.show(player_ ? player_->now_ns() : last_ns_ - start_ns_, *frame_);
   std::vector<std::string> news = videos_.take_news();
   if (!shown) {
-    news.push_back(shown.error().message + "; the displays keep their last picture");
+    const std::string line = shown.error().message + "; the displays keep their last picture";
     videos_ = {};
+    if (!options_.json) fmt::print(stderr, "footlight: {}\n", printable_utf8(line));
+    tell(line, true);
   }
   for (const std::string& line : news) {
     if (!options_.json) fmt::print(stderr, "footlight: {}\n", printable_utf8(line));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -93,6 +94,12 @@ Status AvVideoReader::open() {
                 "{}: cannot be read as video: {}. An .mp4 that was not finished has no index; write .mkv where a "
                 "recording may be interrupted",
                 path_, av_text(opened));
+  }
+  // Lists of other files: some are read again without end, and all name files that are not this one.
+  const std::string_view kind = format_->iformat->name;
+  for (const char* list : {"hls", "dash", "concat", "imf"}) {
+    if (kind.find(list) == std::string_view::npos) continue;
+    return fail(ErrorCode::kUnsupported, "{}: a list of other files ({}): expected one file with a video", path_, kind);
   }
   FL_TRY(av_check(avformat_find_stream_info(format_, nullptr), path_, "reading the streams", ErrorCode::kBadInput));
   const AVCodec* decoder = nullptr;
