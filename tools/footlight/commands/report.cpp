@@ -23,10 +23,6 @@
 namespace footlight::tools {
 namespace {
 
-Status unwritable(const std::string& path) {
-  return fail(ErrorCode::kIo, "{}: cannot be written; choose a folder that exists and is yours", path);
-}
-
 // Shows one line of progress on standard error, if that is a terminal: the finished share and the remaining time, which
 // is estimated from the finished parts.
 class ReportProgress {

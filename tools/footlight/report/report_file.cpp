@@ -8,6 +8,10 @@
 
 namespace footlight::tools {
 
+Status unwritable(const std::string& path) {
+  return fail(ErrorCode::kIo, "{}: cannot be written; choose a folder that exists and is yours", path);
+}
+
 Status write_report_file(const std::string& path, const std::string& text) {
   FL_TRY(refuse_pipe_output(path));
   const std::string part = path + ".part";

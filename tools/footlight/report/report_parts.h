@@ -33,6 +33,8 @@ using ReportHalf = std::function<Status(const ReportOptions&)>;
 
 // Writes the text to a file. If that fails, the old file stays unchanged.
 [[nodiscard]] Status write_report_file(const std::string& path, const std::string& text);
+// The error of a file that cannot be written.
+[[nodiscard]] Status unwritable(const std::string& path);
 // "plot.svg" and "time" give "plot-time.svg".
 [[nodiscard]] std::string with_report_suffix(const std::string& path, const std::string& suffix);
 
