@@ -28,8 +28,7 @@ layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) writeonly buffer Shad
 layout(set = 0, binding = FL_BINDING_BEAM_MAPS, std430) writeonly buffer ShadowMapsBuffer { uint shadow_maps[]; };
 
 const uint kThreads = uint(FL_GROUP_BEAM_MAPS);
-const uint kMapCells = uint(FL_MAP_CELLS);
-const uint kMapWords = kMapPx * kMapPx + kMapCells * kMapCells;
+#include "render/shaders/lib/shadow_map_words.glsl"
 // Threads have blocks side by side, 16 x 16 of them at a time.
 const uint kSide = 16u;
 const uint kBlock = kMapPx < 4u * kSide ? kMapPx / kSide : 4u;  // texels a side

@@ -3,10 +3,7 @@
 // dark, and a chord is a straight line in the map: the map's error is where edges lie, to half a texel. Error:
 // docs/numerics.md. After shadow.glsl.
 layout(set = 0, binding = FL_BINDING_BEAM_MAPS, std430) readonly buffer ShadowMapsBuffer { uint shadow_maps[]; };
-
-const uint kMapCells = uint(FL_MAP_CELLS);
-const uint kMapWords = kMapPx * kMapPx + kMapCells * kMapCells;
-const uint kMapCellPx = kMapPx > kMapCells ? kMapPx / kMapCells : 1u;
+#include "render/shaders/lib/shadow_map_words.glsl"
 
 // Distances in half floats; the largest stands for none. A lens inside a body gives no light, not even at 0.
 vec2 map_distances(uint word) {
