@@ -54,7 +54,9 @@ Result<const drivers::Picture*> Clip::picture(std::size_t index) {
 
 std::size_t Clip::replaced() const {
   std::size_t count = 0;
-  for (std::size_t i = 0; i < stands_for_.size(); ++i) count += stands_for_[i] != i ? 1 : 0;
+  for (std::size_t i = 0; i < stands_for_.size(); ++i) {
+    if (stands_for_[i] != i) ++count;
+  }
   return count;
 }
 
