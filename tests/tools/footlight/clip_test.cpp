@@ -364,6 +364,23 @@ TEST_CASE("a feed that decodes ahead comes to the pictures of an exact one, forw
   CHECK(must(exact->at(5 * kPictureNs)).pixels == must(exact->at(5 * kPictureNs + kNsPerMs)).pixels);
 }
 
+TEST_CASE("after a jump back a feed that decodes ahead shows the last picture until the right one is ready") {
+  const TempFolder folder;
+  write_clip(folder.file("a.mkv"), 60);
+  const auto ahead = must(ClipFeed::open(display_of(folder.file("a.mkv")), ClipPace::kAhead));
+  for (int round = 0; round < 10; ++round) {
+    CAPTURE(round);
+    // Each picture that is there shows that those after it are decoded meanwhile.
+    for (int number = 30; number < 34; ++number) {
+      (void)wait_for(*ahead, number * kPictureNs, static_cast<std::size_t>(number));
+    }
+    for (ClipLight light = must(ahead->at(3 * kPictureNs)); light.index != 3; light = must(ahead->at(3 * kPictureNs))) {
+      REQUIRE(light.index == 33);
+      std::this_thread::yield();
+    }
+  }
+}
+
 TEST_CASE("a feed that decodes ahead can end at any moment") {
   const TempFolder folder;
   write_clip(folder.file("a.mkv"), 30);

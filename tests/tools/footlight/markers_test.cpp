@@ -33,6 +33,10 @@ TEST_CASE("markers are in the order of their times, with the first free number, 
   CHECK(with_marker(markers, 0).value()[0].name == "Marker 2");
   markers.assign(kMarkersMax, {kNsPerS, "x"});
   CHECK(!with_marker(markers, 0));
+  // The file beside the log could not be read again.
+  CHECK(with_marker({}, 10'000'000 * kNsPerS));
+  CHECK(!with_marker({}, 10'000'001 * kNsPerS));
+  CHECK(!with_marker({}, -1));
 }
 
 TEST_CASE("the next marker and the one before are strictly after and before a time") {

@@ -1,6 +1,7 @@
 #include "tools/footlight/displays/clip_feed.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "sim/core/no_signals.h"
@@ -60,14 +61,13 @@ Result<ClipLight> ClipFeed::at(DurationNs show_ns) {
   const std::lock_guard lock(mutex_);
   if (error_) return tl::unexpected<Error>(*error_);
   wanted_ = index;
-  const auto found =
-      std::find_if(ready_.begin(), ready_.end(), [&](const ClipLight& one) { return one.index == index; });
-  if (found != ready_.end()) {
-    ready_.erase(ready_.begin(), found);
-  } else if (!ready_.empty()) {
-    ready_.erase(ready_.begin(), ready_.end() - 1);  // late: the newest one meanwhile
+  // If the picture is late, the newest one before it; none from ahead of a time that has jumped back.
+  const auto after =
+      std::find_if(ready_.rbegin(), ready_.rend(), [&](const ClipLight& one) { return one.index <= index; });
+  if (after != ready_.rend()) {
+    ready_.erase(ready_.begin(), std::prev(after.base()));
+    last_ = ready_.front();
   }
-  if (!ready_.empty()) last_ = ready_.front();
   wake_.notify_one();
   return last_;
 }

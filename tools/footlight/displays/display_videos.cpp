@@ -38,13 +38,27 @@ Result<DisplayVideos> DisplayVideos::open(const fixtures::Rig& rig, ClipPace pac
 }
 
 Status DisplayVideos::show(DurationNs show_ns, render::Frame& frame) {
-  for (Feed& feed : feeds_) {
-    FL_ASSIGN(const ClipLight light, feed.feed->at(show_ns));
-    if (!light.pixels || light.pixels == feed.shown) continue;
-    for (const std::size_t display : feed.displays) frame.show_pixels(display, light.pixels);
-    feed.shown = light.pixels;
+  return give_changes(show_ns, [&](std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
+    frame.show_pixels(display, pixels);
+  });
+}
+
+Status DisplayVideos::give_changes(DurationNs show_ns, const GivePixels& give) {
+  Status status;
+  for (auto feed = feeds_.begin(); feed != feeds_.end();) {
+    const auto light = feed->feed->at(show_ns);
+    if (!light) {
+      if (status) status = tl::unexpected<Error>(light.error());
+      feed = feeds_.erase(feed);
+      continue;
+    }
+    if (light->pixels && light->pixels != feed->shown) {
+      for (const std::size_t display : feed->displays) give(display, light->pixels);
+      feed->shown = light->pixels;
+    }
+    ++feed;
   }
-  return {};
+  return status;
 }
 
 void DisplayVideos::show_all_again() {

@@ -80,13 +80,12 @@ std::span<const std::uint8_t> Preview::panel_levels() {
   return panel_levels_;
 }
 
-// At the time of the log; without one at that since the preview began. A video that fails leaves its last picture.
+// At the time of the log; without one at that since the preview began.
 void Preview::show_videos() {
   const Status shown = videos_.show(player_ ? player_->now_ns() : last_ns_ - start_ns_, *frame_);
   std::vector<std::string> news = videos_.take_news();
   if (!shown) {
-    const std::string line = shown.error().message + "; the displays keep their last picture";
-    videos_ = {};
+    const std::string line = shown.error().message + "; its displays keep their last picture";
     if (!options_.json) fmt::print(stderr, "footlight: {}\n", printable_utf8(line));
     tell(line, true);
   }

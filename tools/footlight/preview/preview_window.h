@@ -175,7 +175,7 @@ class Preview {
 
   std::unique_ptr<LiveOutputs> outputs_;  // null: there are none
   OutputsView outputs_view_;
-  DisplayVideos videos_;             // of displays; none after one has failed
+  DisplayVideos videos_;             // of displays; without those that have failed
   bool outputs_told_ = false;        // that there are some, with the first picture
   TimeNs looked_ns_ = 0;             // for devices that are plugged in
   std::string markers_path_;         // empty: they are not saved

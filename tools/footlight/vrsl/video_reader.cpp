@@ -22,6 +22,13 @@ extern "C" {
 namespace footlight::tools {
 namespace {
 
+// Times and lengths of damaged files may be any number: those whose differences could overflow count as missing.
+constexpr std::int64_t kTicksMax = std::int64_t{1} << 60;
+std::int64_t ticks_or_none(std::int64_t pts) { return pts >= -kTicksMax && pts <= kTicksMax ? pts : AV_NOPTS_VALUE; }
+std::int64_t length_or(std::int64_t ticks, std::int64_t usual) {
+  return ticks > 0 && ticks <= kTicksMax ? ticks : std::clamp<std::int64_t>(usual, 1, kTicksMax);
+}
+
 constexpr int kBandRows = 8;  // rows that are compared and converted together; even, for their chroma
 
 std::string text_or_unknown(const char* text) { return text == nullptr ? "unknown" : text; }
@@ -203,8 +210,10 @@ Result<drivers::PictureStep> AvVideoReader::next(drivers::Picture& picture, std:
     }
     FL_TRY(convert(picture));
     ++counters_.pictures;
-    std::int64_t pts = frame_->best_effort_timestamp;
-    if (pts == AV_NOPTS_VALUE) pts = first_pts_ ? last_pts_ + std::max<std::int64_t>(frame_->pkt_duration, 1) : 0;
+    std::int64_t pts = ticks_or_none(frame_->best_effort_timestamp);
+    if (pts == AV_NOPTS_VALUE) {
+      pts = first_pts_ ? std::min(last_pts_ + length_or(frame_->pkt_duration, 1), kTicksMax) : 0;
+    }
     if (!first_pts_) first_pts_ = pts;
     last_pts_ = pts;
     time_ns = time_of(pts);
@@ -231,9 +240,11 @@ Result<VideoTimes> AvVideoReader::read_times() {
   const auto usual = facts_.pictures_hz > 0 ? std::llround(1 / (facts_.pictures_hz * av_q2d(stream_->time_base))) : 1;
   while (av_read_frame(format_, packet_) >= 0) {
     if (packet_->stream_index == stream_->index && (packet_->flags & AV_PKT_FLAG_DISCARD) == 0) {
-      std::int64_t pts = packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts;
-      if (pts == AV_NOPTS_VALUE) pts = entries.empty() ? 0 : entries.back().pts + entries.back().length;
-      const std::int64_t length = packet_->duration > 0 ? packet_->duration : std::max<std::int64_t>(usual, 1);
+      std::int64_t pts = ticks_or_none(packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts);
+      if (pts == AV_NOPTS_VALUE) {
+        pts = entries.empty() ? 0 : std::min(entries.back().pts + entries.back().length, kTicksMax);
+      }
+      const std::int64_t length = length_or(packet_->duration, usual);
       entries.push_back({pts, length, (packet_->flags & AV_PKT_FLAG_KEY) != 0});
     }
     av_packet_unref(packet_);

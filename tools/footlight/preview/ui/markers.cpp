@@ -33,6 +33,9 @@ Result<Markers> with_marker(const Markers& markers, TimeNs at_ns) {
       return fail(ErrorCode::kBadInput, "there is a marker here already: {}", one.name);
     }
   }
+  if (at_ns < 0 || static_cast<double>(at_ns) > kMarkerSecondsMax * 1e9) {
+    return fail(ErrorCode::kBadInput, "a marker is between 0 and {:.0f} s of the log", kMarkerSecondsMax);
+  }
   if (markers.size() >= kMarkersMax) {
     return fail(ErrorCode::kBadInput, "a log has at most {} markers; delete some", kMarkersMax);
   }
