@@ -18,11 +18,12 @@ class DisplayVideos {
   // name of the display.
   [[nodiscard]] static Result<DisplayVideos> open(const fixtures::Rig& rig, ClipPace pace);
 
-  // Gives the frame, which is of the same rig, what the displays show at a time of the show. Times may go back. Error: of
-  // the first video that cannot be decoded; it is closed, its displays keep their picture, and the others go on.
+  // Gives the frame, which is of the same rig, what the displays show at a time of the show. Times may go back. Error:
+  // of the first video that cannot be decoded; it is closed, its displays keep their picture, and the others go on.
   Status show(DurationNs show_ns, render::Frame& frame);
   // The same for any taker: called once for each display whose pixels have changed since the last call.
-  using GivePixels = std::function<void(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels)>;
+  using GivePixels =
+      std::function<void(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels)>;
   Status give_changes(DurationNs show_ns, const GivePixels& give);
   // The next show() gives everything again: for another frame of the same rig.
   void show_all_again();
