@@ -1,8 +1,8 @@
 // The light of a video on a display, for any time of the show.
 //
 // Exact: each call decodes what it needs. Ahead: a thread decodes up to kClipsAhead pictures before they are due, and
-// calls never wait; if the picture is not ready, the newest one before it, or the last one, stays. While the time stands
-// still, the picture of that time comes.
+// calls never wait; if the picture is not ready, the newest one before it, or the last one, stays. While the time
+// stands still, the picture of that time comes.
 #pragma once
 
 #include <condition_variable>
