@@ -128,7 +128,8 @@ extern const CommandInfo clip_command{
     .examples =
         "  footlight clip clip.mp4\n"
         "  footlight clip clip.mp4 --columns 480 --rows 270 --pictures 1000\n"
-        "Exit code 1 if pictures are damaged. A rig names the video: [[display]] video = \"clip.mp4\".\n",
+        "Exit code 1 if one of the pictures that were read is damaged; --pictures N reads more.\n"
+        "A rig names the video: [[display]] video = \"clip.mp4\".\n",
     .add = add,
 };
 
