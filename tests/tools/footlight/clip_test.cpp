@@ -17,10 +17,10 @@
 #include "tests/support/must.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/wav_bytes.h"
+#include "tests/tools/footlight/clip_files.h"
 #include "tools/footlight/displays/clip.h"
 #include "tools/footlight/displays/clip_feed.h"
 #include "tools/footlight/displays/picture_light.h"
-#include "tools/footlight/vrsl/video_output.h"
 
 namespace footlight::tools {
 namespace {
@@ -29,38 +29,6 @@ using drivers::Picture;
 using fixtures::PaneImage;
 using testing::must;
 using testing::TempFolder;
-
-constexpr double kHz = 25;
-constexpr DurationNs kPictureNs = 40 * kNsPerMs;
-
-// Fields of colour that drift, a ramp, and a bar whose place is the number of the picture.
-Picture picture_of(int number, int width, int height) {
-  Picture picture;
-  picture.clear(width, height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      std::uint8_t* const at = picture.at(x, y);
-      const bool bar = x * 50 / width == number % 50;
-      at[0] = bar ? 255 : static_cast<std::uint8_t>(255 * x / width);
-      at[1] = bar ? 255 : static_cast<std::uint8_t>((x / 8 + y / 8 + number) % 2 == 0 ? 40 : 200);
-      at[2] = bar ? 0 : static_cast<std::uint8_t>(255 * y / height);
-    }
-  }
-  return picture;
-}
-
-void write_clip(const std::string& path, int count, int width = 160, int height = 90,
-                std::vector<EndpointOption> options = {{"lossless", "yes"}}) {
-  drivers::PictureTarget target;
-  target.endpoint = target.name = path;
-  target.pictures_hz = kHz;
-  target.width = width;
-  target.height = height;
-  target.options = std::move(options);
-  const auto output = must(open_video_output(target));
-  for (int i = 0; i < count; ++i) must(output->show(picture_of(i, width, height), i * kPictureNs));
-  must(output->finish());
-}
 
 std::string bytes_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -328,14 +296,6 @@ TEST_CASE("no damage makes a clip fail in any other way than by an error") {
 
 // ---- Pictures for displays ----
 
-fixtures::Display display_of(const std::string& path) {
-  fixtures::Display display;
-  display.columns = 16;
-  display.rows = 9;
-  display.video.emplace().path = path;
-  return display;
-}
-
 // Asks until the light of this number is there.
 ClipLight wait_for(ClipFeed& feed, DurationNs show_ns, std::size_t index) {
   for (int i = 0; i < 5'000; ++i) {
@@ -378,6 +338,28 @@ TEST_CASE("after a jump back a feed that decodes ahead shows the last picture un
       REQUIRE(light.index == 33);
       std::this_thread::yield();
     }
+  }
+}
+
+TEST_CASE("a feed that decodes ahead shows no picture before its time, through the loop") {
+  const TempFolder folder;
+  write_clip(folder.file("a.mkv"), 30);
+  const auto ahead = must(ClipFeed::open(display_of(folder.file("a.mkv")), ClipPace::kAhead));
+  std::size_t before = wait_for(*ahead, 20 * kPictureNs, 20).index;
+  for (int number = 21; number < 70; ++number) {
+    CAPTURE(number);
+    const auto right = static_cast<std::size_t>(number % 30);
+    const auto next = [&] { return must(ahead->at(number * kPictureNs)).index; };
+    for (std::size_t index = next(); index != right; index = next()) {
+      REQUIRE(index == before);
+      std::this_thread::yield();
+    }
+    // While the time stands still, those after it are decoded, and the picture stays.
+    for (int i = 0; i < 10; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      REQUIRE(next() == right);
+    }
+    before = right;
   }
 }
 

@@ -9,45 +9,19 @@
 
 #include "tests/support/must.h"
 #include "tests/support/temp_folder.h"
-#include "tools/footlight/vrsl/video_output.h"
+#include "tests/tools/footlight/clip_files.h"
 
 namespace footlight::tools {
 namespace {
 
 using testing::must;
 
-constexpr DurationNs kPictureNs = 40 * kNsPerMs;
-
-// Ten pictures, each of one grey.
-void write_clip(const std::string& path) {
-  drivers::PictureTarget target;
-  target.endpoint = target.name = path;
-  target.pictures_hz = 25;
-  target.width = 64;
-  target.height = 36;
-  target.options = {{"lossless", "yes"}};
-  const auto output = must(open_video_output(target));
-  for (int i = 0; i < 10; ++i) {
-    drivers::Picture picture;
-    picture.clear(target.width, target.height);
-    picture.rgb.assign(picture.rgb.size(), static_cast<std::uint8_t>(20 * i));
-    must(output->show(picture, i * kPictureNs));
-  }
-  must(output->finish());
-}
-
 TEST_CASE("a video that cannot be read any more is closed, and the videos of other displays go on") {
   const testing::TempFolder folder;
   fixtures::Rig rig;
   for (const char* name : {"a.mkv", "b.mkv"}) {
-    write_clip(folder.file(name));
-    fixtures::Display display;
-    display.name = name;
-    display.columns = 4;
-    display.rows = 2;
-    display.video = fixtures::DisplayVideo{};
-    display.video->path = folder.file(name);
-    rig.displays.push_back(display);
+    write_clip(folder.file(name), 10);
+    rig.displays.push_back(display_of(folder.file(name)));
   }
   DisplayVideos videos = must(DisplayVideos::open(rig, ClipPace::kExact));
   std::vector<std::size_t> given;

@@ -61,11 +61,11 @@ Result<ClipLight> ClipFeed::at(DurationNs show_ns) {
   const std::lock_guard lock(mutex_);
   if (error_) return tl::unexpected<Error>(*error_);
   wanted_ = index;
+  auto shown = std::find_if(ready_.begin(), ready_.end(), [&](const ClipLight& one) { return one.index == index; });
   // If the picture is late, the newest one before it; none from ahead of a time that has jumped back.
-  const auto after =
-      std::find_if(ready_.rbegin(), ready_.rend(), [&](const ClipLight& one) { return one.index <= index; });
-  if (after != ready_.rend()) {
-    ready_.erase(ready_.begin(), std::prev(after.base()));
+  if (shown == ready_.end() && !ready_.empty() && ready_.back().index < index) shown = std::prev(ready_.end());
+  if (shown != ready_.end()) {
+    ready_.erase(ready_.begin(), shown);
     last_ = ready_.front();
   }
   wake_.notify_one();
