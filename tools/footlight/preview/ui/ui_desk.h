@@ -74,6 +74,9 @@ class UiDesk {
   void run(UiCommand command) { history_.run(state_, std::move(command), gesture_); }
   // What the commands that follow belong to, until the next call: a drag is one gesture.
   void begin_gesture() { ++gesture_; }
+  // Takes the command of the current gesture back, as if it had not been: for a drag that is cancelled. Nothing happens
+  // if there was none. For commands that do not edit the rig.
+  void drop_gesture() { (void)history_.drop(state_, gesture_); }
   // The text of the command; empty: there was none.
   std::string undo();
   std::string redo();
@@ -117,6 +120,10 @@ class UiDesk {
   [[nodiscard]] bool highlights() const { return highlight_; }
   void set_highlight(bool on) { highlight_ = on; }
 
+  // Whether handles that move and aim the selected fixtures are in the picture.
+  [[nodiscard]] bool handles() const { return handles_; }
+  void set_handles(bool on) { handles_ = on; }
+
   // Whether overlay() changes anything.
   [[nodiscard]] bool overlays() const {
     return !pauses_ && (!state_.taken.empty() || (highlight_ && !state_.selection.fixtures.empty()));
@@ -147,6 +154,7 @@ class UiDesk {
   UiHistory history_;
   std::uint64_t gesture_ = 1;
   bool highlight_ = false;
+  bool handles_ = false;
   bool pauses_ = false;
 };
 
