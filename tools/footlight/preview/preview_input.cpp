@@ -217,6 +217,8 @@ void Preview::call(const UiCall& call) {
       frame_box(bounds.low_m, bounds.high_m);
       break;
     }
+    case UiAction::kCompare: compare_from_here(); break;
+    case UiAction::kEndCompare: desk_->comparison() = {}; break;
     case UiAction::kCamera: take_camera(static_cast<std::size_t>(call.argument)); break;
     case UiAction::kWorkLight: controls_.work_light = !controls_.work_light; break;
     case UiAction::kBrighter: expose(-kExposureStepEv); break;  // a lower EV makes a brighter picture
@@ -260,6 +262,14 @@ void Preview::call(const UiCall& call) {
 void Preview::show_handles(bool on) {
   desk_->set_handles(on);
   if (on && desk_->selected().empty()) tell("handles: select a fixture to see them");
+}
+
+// Opens the panel that shows the comparison.
+void Preview::compare_from_here() {
+  if (desk_->compiled().universes.empty()) return;
+  const std::optional<TimeNs> log_ns = player_ ? std::optional(controls_.transport.now_ns) : std::nullopt;
+  desk_->comparison() = {keep_levels(desk_->compiled().universes, panel_levels(), log_ns), std::nullopt};
+  (void)panels_.open_words("universes", *desk_);
 }
 
 void Preview::take_camera(std::size_t index) {

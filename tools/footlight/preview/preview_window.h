@@ -137,6 +137,7 @@ class Preview {
   void take_mouse();
   bool take_handles();
   void show_handles(bool on);
+  void compare_from_here();
   void call(const UiCall& call);
   void take_camera(std::size_t index);
   void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);

@@ -65,6 +65,8 @@ constexpr KeyRow kKeyRows[] = {
     {GLFW_KEY_F, GLFW_MOD_SHIFT, {A::kFrameRig}, false, "Shift+F", "frame the rig", UiMenu::kView},
     {GLFW_KEY_G, 0, {A::kHandles}, false, "G", "handles that move and aim the selected fixtures", UiMenu::kView},
     {kTyped + '1', 0, {A::kCamera, 0}, false, "1 to 9", "cameras of the rig", UiMenu::kNone},
+    {GLFW_KEY_K, 0, {A::kCompare}, false, "K", "keep this moment, and compare its levels with now", UiMenu::kView},
+    {GLFW_KEY_K, GLFW_MOD_SHIFT, {A::kEndCompare}, false, "Shift+K", "end the comparison of levels", UiMenu::kView},
     {GLFW_KEY_W, 0, {A::kWorkLight}, false, "W", "work light", UiMenu::kView},
     {GLFW_KEY_E, 0, {A::kBrighter}, true, "E, +", "brighter picture", UiMenu::kView},
     {kTyped + '+', 0, {A::kBrighter}, true, nullptr, nullptr, UiMenu::kNone},

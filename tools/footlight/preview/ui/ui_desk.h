@@ -18,6 +18,7 @@
 #include "fixtures/files/library.h"
 #include "fixtures/model/rig.h"
 #include "tools/footlight/preview/hand_levels.h"
+#include "tools/footlight/preview/ui/level_comparison.h"
 #include "tools/footlight/preview/ui/rig_index.h"
 #include "tools/footlight/preview/ui/ui_state.h"
 
@@ -124,6 +125,10 @@ class UiDesk {
   [[nodiscard]] bool handles() const { return handles_; }
   void set_handles(bool on) { handles_ = on; }
 
+  // Two moments whose levels the universes panel compares.
+  [[nodiscard]] const LevelComparison& comparison() const { return comparison_; }
+  [[nodiscard]] LevelComparison& comparison() { return comparison_; }
+
   // Whether overlay() changes anything.
   [[nodiscard]] bool overlays() const {
     return !pauses_ && (!state_.taken.empty() || (highlight_ && !state_.selection.fixtures.empty()));
@@ -155,6 +160,7 @@ class UiDesk {
   std::uint64_t gesture_ = 1;
   bool highlight_ = false;
   bool handles_ = false;
+  LevelComparison comparison_;
   bool pauses_ = false;
 };
 
