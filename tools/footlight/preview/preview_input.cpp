@@ -10,6 +10,7 @@
 
 #include "tools/footlight/preview/preview_window.h"
 #include "tools/footlight/preview/ui/draw_handles.h"
+#include "tools/footlight/preview/ui/draw_measure.h"
 #include "tools/footlight/preview/ui/escape.h"
 #include "tools/footlight/preview/ui/live_band.h"
 #include "tools/footlight/preview/ui/menu.h"
@@ -87,6 +88,7 @@ void Preview::draw_ui() {
   take_input(palette_open);
   // The last movement of a drag comes with the release.
   begin_gesture([](ImGuiMouseButton button) { return ImGui::IsMouseReleased(button); });
+  draw_measures();
   if (const Selection& selection = desk_->state().selection; !selection.fixtures.empty()) {
     draw_marks(edited_->scene()->rig, pick(), stage(), selection, window_->ui_scale());
     if (desk_->handles()) draw_handles(handles_, *desk_, pick(), stage(), window_->ui_scale());
@@ -144,7 +146,10 @@ void Preview::take_mouse() {
     const float x = io.MousePos.x - from.x;
     const float y = io.MousePos.y - from.y;
     if (std::max(io.MouseDragMaxDistanceSqr[button], x * x + y * y) < kClickUnits * kClickUnits) {
-      if (ends && button == ImGuiMouseButton_Left) {
+      if (ends && button == ImGuiMouseButton_Left && desk_->measure().on) {
+        const auto point_m = measured_point(edited_->scene()->rig, pick(), stage(), {from.x, from.y});
+        if (point_m) desk_->measure().click(*point_m);
+      } else if (ends && button == ImGuiMouseButton_Left) {
         desk_->select(pick().fixture_at(stage(), {from.x, from.y}), selects_more_);
       }
       continue;
@@ -217,6 +222,8 @@ void Preview::call(const UiCall& call) {
       frame_box(bounds.low_m, bounds.high_m);
       break;
     }
+    case UiAction::kMeasure: desk_->measure() = {!desk_->measure().on, std::nullopt, std::nullopt}; break;
+    case UiAction::kFloorLines: desk_->set_floor_lines(!desk_->floor_lines()); break;
     case UiAction::kCompare: compare_from_here(); break;
     case UiAction::kEndCompare: desk_->comparison() = {}; break;
     case UiAction::kCamera: take_camera(static_cast<std::size_t>(call.argument)); break;
@@ -262,6 +269,23 @@ void Preview::call(const UiCall& call) {
 void Preview::show_handles(bool on) {
   desk_->set_handles(on);
   if (on && desk_->selected().empty()) tell("handles: select a fixture to see them");
+}
+
+// Lines on the floor, and what is measured.
+void Preview::draw_measures() {
+  const StagePlace where = stage();
+  if (desk_->floor_lines()) {
+    const Bounds bounds = bounds_of(edited_->scene()->rig);
+    draw_floor_lines(floor_lines(bounds.low_m, bounds.high_m), where, window_->ui_scale());
+  }
+  const StageMeasure& measure = desk_->measure();
+  if (!measure.on) return;
+  std::optional<glm::dvec3> under_m;
+  const ImGuiIO& io = ImGui::GetIO();
+  if (!io.WantCaptureMouse && measure.from_m && !measure.to_m) {
+    under_m = measured_point(edited_->scene()->rig, pick(), where, {io.MousePos.x, io.MousePos.y});
+  }
+  draw_measure(measure, under_m, where, window_->ui_scale());
 }
 
 // Opens the panel that shows the comparison.

@@ -138,6 +138,7 @@ class Preview {
   bool take_handles();
   void show_handles(bool on);
   void compare_from_here();
+  void draw_measures();
   void call(const UiCall& call);
   void take_camera(std::size_t index);
   void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);

@@ -65,6 +65,8 @@ constexpr KeyRow kKeyRows[] = {
     {GLFW_KEY_F, GLFW_MOD_SHIFT, {A::kFrameRig}, false, "Shift+F", "frame the rig", UiMenu::kView},
     {GLFW_KEY_G, 0, {A::kHandles}, false, "G", "handles that move and aim the selected fixtures", UiMenu::kView},
     {kTyped + '1', 0, {A::kCamera, 0}, false, "1 to 9", "cameras of the rig", UiMenu::kNone},
+    {GLFW_KEY_G, GLFW_MOD_SHIFT, {A::kFloorLines}, false, "Shift+G", "lines on the floor, 1 m apart", UiMenu::kView},
+    {GLFW_KEY_T, 0, {A::kMeasure}, false, "T", "measure between two points that are clicked", UiMenu::kView},
     {GLFW_KEY_K, 0, {A::kCompare}, false, "K", "keep this moment, and compare its levels with now", UiMenu::kView},
     {GLFW_KEY_K, GLFW_MOD_SHIFT, {A::kEndCompare}, false, "Shift+K", "end the comparison of levels", UiMenu::kView},
     {GLFW_KEY_W, 0, {A::kWorkLight}, false, "W", "work light", UiMenu::kView},
@@ -97,7 +99,8 @@ constexpr KeyRow kKeyRows[] = {
      {A::kEscape},
      false,
      "Esc",
-     "put a drag of a handle back; close a menu; then the list of keys; then select nothing; then close the window",
+     "put a drag of a handle back; close a menu; then the list of keys; then end measuring; then select nothing; then "
+     "close the window",
      UiMenu::kNone},
 };
 

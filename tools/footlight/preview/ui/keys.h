@@ -24,6 +24,8 @@ enum class UiAction {
   kHandles,  // that move and aim the selection in the picture
   kNudge,    // moves the selection; argument: nudge_axis()
   kCamera,   // argument: its index
+  kMeasure,     // clicks measure distances
+  kFloorLines,
   kCompare,     // keeps this moment, to compare it with now
   kEndCompare,
   kWorkLight,

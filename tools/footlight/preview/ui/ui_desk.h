@@ -20,6 +20,7 @@
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/ui/level_comparison.h"
 #include "tools/footlight/preview/ui/rig_index.h"
+#include "tools/footlight/preview/ui/stage_measure.h"
 #include "tools/footlight/preview/ui/ui_state.h"
 
 namespace footlight::tools {
@@ -125,6 +126,13 @@ class UiDesk {
   [[nodiscard]] bool handles() const { return handles_; }
   void set_handles(bool on) { handles_ = on; }
 
+  // Whether clicks measure, and what.
+  [[nodiscard]] const StageMeasure& measure() const { return measure_; }
+  [[nodiscard]] StageMeasure& measure() { return measure_; }
+  // Whether lines on the floor are in the picture.
+  [[nodiscard]] bool floor_lines() const { return floor_lines_; }
+  void set_floor_lines(bool on) { floor_lines_ = on; }
+
   // Two moments whose levels the universes panel compares.
   [[nodiscard]] const LevelComparison& comparison() const { return comparison_; }
   [[nodiscard]] LevelComparison& comparison() { return comparison_; }
@@ -160,6 +168,8 @@ class UiDesk {
   std::uint64_t gesture_ = 1;
   bool highlight_ = false;
   bool handles_ = false;
+  bool floor_lines_ = false;
+  StageMeasure measure_;
   LevelComparison comparison_;
   bool pauses_ = false;
 };
