@@ -49,7 +49,7 @@ TEST_CASE("the help of every command has examples that begin with its name") {
     CHECK(contains(outcome.out, "Examples:"));
     CHECK(contains(outcome.out, "\n  footlight " + command));
   }
-  for (const char* command : {"info", "convert"}) {
+  for (const char* command : {"info", "convert", "compare"}) {
     const Outcome outcome = footlight({"log", command, "--help"});
     CHECK(outcome.exit_code == 0);
     CHECK(contains(outcome.out, std::string("\n  footlight log ") + command));

@@ -43,6 +43,7 @@ struct PaletteUi {
     ui.desk.begin_gesture();
     ui.desk.select(1, false);
     ui.desk.undo();  // so that there is something to redo
+    ui.desk.comparison().a = KeptLevels{};  // that can be ended
     ui.more = [this] {
       if (const auto one = palette.draw(ui.desk, has_log, &outputs, 1)) chosen = one;
     };

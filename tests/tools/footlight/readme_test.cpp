@@ -81,6 +81,8 @@ constexpr Special kSpecials[] = {
      "a large picture takes long without a GPU"},
     {"footlight fixtures find robe pointe", nullptr, "", 3, "no library of fixtures is installed"},
     {"footlight record --in sacn:1-9 -o new.dmxlog", nullptr, "--for 100ms", 3, kUntilStopped},
+    {"footlight log compare show.dmxlog --at 10s --with 25s --rig rig.toml", nullptr, "", 1,
+     "the show goes on between the two times"},
     {"footlight replay show.dmxlog --at 12.5s --loop --out sacn:1-9", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight render rig.toml --log show.dmxlog --at 12.5s -o frame.exr", nullptr, kSmall, 0,
      "1280x720 pixels take long without a GPU"},

@@ -1,4 +1,4 @@
-// footlight log: shows, converts, compares and times logs.
+// footlight log: shows, converts, compares and times logs. `log compare` is in log_compare.cpp.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -10,7 +10,7 @@
 #include "sim/dmx_log/dmx_log.h"
 #include "sim/dmx_log/log_diff.h"
 #include "sim/dmx_log/log_input.h"
-#include "tools/footlight/command.h"
+#include "tools/footlight/commands/log_command.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/sound/sound_log.h"
 #include "tools/footlight/status/json_lines.h"
@@ -19,50 +19,6 @@
 
 namespace footlight::tools {
 namespace {
-
-constexpr const char* kFileHelp =
-    "a DMX log, OLA show file, packet capture (pcap, pcapng), sigrok capture (.sr), sound map (.toml) or video";
-
-// Options for reading files that are not DMX logs.
-struct ReadArguments {
-  drivers::CaptureOptions options;
-  std::string protocol;
-  std::string grid;
-
-  void add(Arguments& arguments) {
-    arguments.option("--universe-offset", options.universe_offset, 0, 1,
-                     "OLA show file: 1 if it counts universes from 0");
-    arguments.option("--protocol", protocol, "NAME", "packet capture: only 'sacn' or only 'artnet'");
-    arguments.flag("--preview", options.net.hear_preview, "packet capture: include sACN frames for visualisers");
-    arguments.option("--grid", grid, "OPTIONS",
-                     "video: options of the grid, as of a vrsl endpoint ('layout=vertical-left&planes=rgb'); default: "
-                     "what is found in its pictures");
-    add_line(arguments);
-    arguments.option("--universe", options.universe, kUniverseMin, kUniverseMax,
-                     "sigrok capture: the universe of the line");
-  }
-
-  void add_line(Arguments& arguments) {
-    arguments.option(
-        "--channel", options.channel, "NAME",
-        "sigrok capture: the channel, by its name or number from 1; default: the one with the most levels");
-    arguments.flag("--inverted", options.inverted, "sigrok capture: --channel is DMX-");
-  }
-
-  [[nodiscard]] Result<drivers::CaptureOptions> read() const {
-    drivers::CaptureOptions read = options;
-    if (!protocol.empty() && protocol != "sacn" && protocol != "artnet") {
-      return fail(ErrorCode::kBadInput, "--protocol: expected 'sacn' or 'artnet', got '{}'", protocol);
-    }
-    if (options.inverted && options.channel.empty()) {
-      return fail(ErrorCode::kBadInput,
-                  "--inverted: expected --channel as well, for example '--channel DMX- --inverted'");
-    }
-    read.net.sacn = protocol != "artnet";
-    read.net.artnet = protocol != "sacn";
-    return read;
-  }
-};
 
 Result<std::unique_ptr<LogInput>> open_input(const std::string& path, const drivers::CaptureOptions& read,
                                              const ReadArguments& arguments) {
@@ -73,12 +29,16 @@ Result<std::unique_ptr<LogInput>> open_input(const std::string& path, const driv
   return open_level_log(path, read);
 }
 
+}  // namespace
+
 Result<LogReader> read_input(const std::string& path, const drivers::CaptureOptions& read,
                              const ReadArguments& arguments) {
   if (!is_video_name(path)) return read_level_log(path, read);
   FL_ASSIGN(const std::unique_ptr<LogInput> input, open_input(path, read, arguments));
   return read_into_memory(*input);
 }
+
+namespace {
 
 struct InfoOptions {
   std::string file;
@@ -347,7 +307,7 @@ void add(Arguments& arguments) {
                                         "  footlight log info capture.pcapng\n"
                                         "Exit code 1 if the log is damaged or was not finished.");
   auto info_options = std::make_shared<InfoOptions>();
-  info.word("FILE", info_options->file, kFileHelp);
+  info.word("FILE", info_options->file, kLogFileHelp);
   info.flag("--check", info_options->check, "DMX log: read every block, not only the index");
   info_options->read.add(info);
   info.flag("--json", info_options->json, "one JSON object");
@@ -362,7 +322,7 @@ void add(Arguments& arguments) {
       "  footlight log convert broken.dmxlog whole.dmxlog   the readable parts of a damaged log\n"
       "Exit code 1 if a part of the input was damaged; the rest was written.");
   auto convert_arguments = std::make_shared<ConvertArguments>();
-  converter.word("FROM", convert_arguments->in, kFileHelp);
+  converter.word("FROM", convert_arguments->in, kLogFileHelp);
   converter.word("TO", convert_arguments->out, ".dmxlog for a DMX log, any other name for an OLA show file");
   converter.flag("--overwrite", convert_arguments->options.overwrite, "replace a file of that name");
   converter.flag("--changes-only", convert_arguments->options.changes_only,
@@ -381,7 +341,7 @@ void add(Arguments& arguments) {
                            "Exit code 0 if every frame has a counterpart and all levels and times are within the\n"
                            "tolerances, else 1.");
   auto diff_arguments = std::make_shared<DiffArguments>();
-  differ.word("A", diff_arguments->a, kFileHelp);
+  differ.word("A", diff_arguments->a, kLogFileHelp);
   differ.word("B", diff_arguments->b, "the same");
   differ.option("--values", diff_arguments->options.level_tolerance, 0, 255, "tolerance of levels");
   differ.duration("--time-tolerance", diff_arguments->options.time_tolerance_ns,
@@ -392,6 +352,8 @@ void add(Arguments& arguments) {
   diff_arguments->read.add(differ);
   differ.flag("--json", diff_arguments->json, "one JSON object");
   differ.job([diff_arguments]() -> Result<int> { return diff(*diff_arguments); });
+
+  add_log_compare(arguments);
 
   Arguments line =
       arguments.subcommand("timing", "Show break, mark after break, gaps and period of a captured DMX line",
@@ -418,6 +380,7 @@ extern const CommandInfo log_command{
         "  footlight log convert capture.pcapng show.dmxlog\n"
         "  footlight log convert club.mp4 club.dmxlog\n"
         "  footlight log diff sent.dmxlog received.pcapng\n"
+        "  footlight log compare show.dmxlog --at 10s --with 25s --rig rig.toml\n"
         "  footlight log timing desk.sr\n",
     .add = add,
 };

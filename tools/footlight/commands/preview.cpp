@@ -35,6 +35,7 @@ void add(Arguments& arguments) {
                    "messages, keys");
   arguments.list("--library", options->library, "FOLDER", "definitions of fixtures that can be added, too");
   arguments.option("--select", options->select, "NAME", "fixtures that are selected at the start; * for any text");
+  arguments.flag("--handles", options->handles, "show the handles that move and aim selected fixtures (key G)");
   arguments.option("--work-light", options->work_light_lx, 0, 1e6,
                    "lx on every surface, key W turns it off and on; default without input: 150 or more");
   arguments.option("--flashes", *flashes, "WORD",

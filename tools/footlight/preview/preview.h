@@ -22,6 +22,7 @@ struct PreviewOptions {
   std::string panels;                // words of open panels, separated by commas
   std::vector<std::string> library;  // folders that the panel of the library lists, too
   std::string select;                // name of the fixtures that are selected, with * for any text
+  bool handles = false;              // handles of the selected fixtures are shown at the start
   std::string device;
   std::string screenshot;               // PNG of the last frame; empty: none
   DurationNs at_ns = 0;                 // start time in the log

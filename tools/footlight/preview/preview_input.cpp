@@ -9,6 +9,8 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/draw_handles.h"
+#include "tools/footlight/preview/ui/draw_measure.h"
 #include "tools/footlight/preview/ui/escape.h"
 #include "tools/footlight/preview/ui/live_band.h"
 #include "tools/footlight/preview/ui/menu.h"
@@ -50,7 +52,11 @@ void Preview::draw_ui() {
   const TimeNs begun_ns = clock_.now_ns();
   window_->begin_ui();
   const auto any_button = [](bool (*is)(ImGuiMouseButton)) { return is(0) || is(1) || is(2); };
-  if (any_button([](ImGuiMouseButton button) { return ImGui::IsMouseClicked(button); })) desk_->begin_gesture();
+  // A drag of a handle is one gesture, whatever else is pressed meanwhile.
+  const auto begin_gesture = [&](bool (*is)(ImGuiMouseButton)) {
+    if (any_button(is) && !handles_.dragging()) desk_->begin_gesture();
+  };
+  begin_gesture([](ImGuiMouseButton button) { return ImGui::IsMouseClicked(button); });
   std::optional<UiCall> chosen;
   draw_panel(facts_, controls_, live_.get(), hand_.get(), window_->ui_scale(),
              [&] { chosen = draw_menu(*desk_, panels_, player_ != nullptr, outputs_ ? &outputs_view_ : nullptr); });
@@ -81,9 +87,11 @@ void Preview::draw_ui() {
   if (chosen) call(*chosen);
   take_input(palette_open);
   // The last movement of a drag comes with the release.
-  if (any_button([](ImGuiMouseButton button) { return ImGui::IsMouseReleased(button); })) desk_->begin_gesture();
+  begin_gesture([](ImGuiMouseButton button) { return ImGui::IsMouseReleased(button); });
+  draw_measures();
   if (const Selection& selection = desk_->state().selection; !selection.fixtures.empty()) {
     draw_marks(edited_->scene()->rig, pick(), stage(), selection, window_->ui_scale());
+    if (desk_->handles()) draw_handles(handles_, *desk_, pick(), stage(), window_->ui_scale());
   }
   show_exposure();
   draw_questions();
@@ -98,7 +106,27 @@ void Preview::draw_ui() {
   ui_times_.add(static_cast<double>(clock_.now_ns() - begun_ns) * 1e-6);
 }
 
+// True: the left button of the mouse belongs to a handle.
+bool Preview::take_handles() {
+  if (!desk_->handles()) {
+    handles_.cancel(*desk_);
+    return false;
+  }
+  const ImGuiIO& io = ImGui::GetIO();
+  HandleInput input;
+  input.place = stage();
+  input.levels = panel_levels();
+  input.mouse = {io.MousePos.x, io.MousePos.y};
+  input.over_stage = !io.WantCaptureMouse;
+  input.pressed = ImGui::IsMouseClicked(ImGuiMouseButton_Left);
+  input.down = ImGui::IsMouseDown(ImGuiMouseButton_Left);
+  input.snaps = io.KeyCtrl;
+  input.scale = static_cast<double>(window_->ui_scale());
+  return handles_.take(*desk_, input);
+}
+
 void Preview::take_mouse() {
+  const bool handle = take_handles();
   const ImGuiIO& io = ImGui::GetIO();
   const double heights = 1.0 / std::max(static_cast<double>(io.DisplaySize.y), 1.0);
   const double right = static_cast<double>(io.MouseDelta.x) * heights;
@@ -108,7 +136,7 @@ void Preview::take_mouse() {
   for (int button = 0; button < static_cast<int>(pressed_on_stage_.size()); ++button) {
     bool& on_stage = pressed_on_stage_[static_cast<std::size_t>(button)];
     if (ImGui::IsMouseClicked(button)) {
-      on_stage = !io.WantCaptureMouse;
+      on_stage = !io.WantCaptureMouse && !handle;
       continue;  // how the mouse moved before does not count
     }
     const bool ends = !ImGui::IsMouseDown(button);
@@ -118,7 +146,10 @@ void Preview::take_mouse() {
     const float x = io.MousePos.x - from.x;
     const float y = io.MousePos.y - from.y;
     if (std::max(io.MouseDragMaxDistanceSqr[button], x * x + y * y) < kClickUnits * kClickUnits) {
-      if (ends && button == ImGuiMouseButton_Left) {
+      if (ends && button == ImGuiMouseButton_Left && desk_->measure().on) {
+        const auto point_m = measured_point(edited_->scene()->rig, pick(), stage(), {from.x, from.y});
+        if (point_m) desk_->measure().click(*point_m);
+      } else if (ends && button == ImGuiMouseButton_Left) {
         desk_->select(pick().fixture_at(stage(), {from.x, from.y}), selects_more_);
       }
       continue;
@@ -131,7 +162,7 @@ void Preview::take_mouse() {
     moves = moves || right != 0 || down != 0;
   }
   if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) selects_more_ = io.KeyCtrl || io.KeyShift;
-  if (io.MouseWheel != 0 && !io.WantCaptureMouse) {
+  if (io.MouseWheel != 0 && !io.WantCaptureMouse && !handles_.dragging()) {
     camera.approach(static_cast<double>(io.MouseWheel));
     moves = true;
   }
@@ -149,7 +180,11 @@ void Preview::take_input(bool typing) {
     const bool dark = acts_always(key) || asked->action == UiAction::kBlackout;
     if ((io.WantTextInput || typing || palette_.is_open()) && !acts_always(key)) continue;
     if (asks_close_ && !dark && asked->action != UiAction::kEscape) continue;
-    if (!key.repeated) desk_->begin_gesture();
+    if (handles_.dragging() && !dark) {
+      if (asked->action == UiAction::kEscape) handles_.cancel(*desk_);
+      continue;
+    }
+    if (!key.repeated && !handles_.dragging()) desk_->begin_gesture();
     call(*asked);
   }
 }
@@ -167,6 +202,12 @@ void Preview::call(const UiCall& call) {
       if (std::string news = delete_selected(*desk_); !news.empty()) tell(std::move(news));
       break;
     case UiAction::kSelectAll: desk_->select_all(); break;
+    case UiAction::kHandles: show_handles(!desk_->handles()); break;
+    case UiAction::kNudge: {
+      std::string news = nudge_selected(*desk_, nudge_axis(call.argument), nudge_sign(call.argument) * kNudgeM);
+      if (!news.empty()) tell(std::move(news), true);
+      break;
+    }
     case UiAction::kHighlight: desk_->set_highlight(!desk_->highlights()); break;
     case UiAction::kReleaseAll: desk_->release_all(); break;
     case UiAction::kFrame:
@@ -181,6 +222,10 @@ void Preview::call(const UiCall& call) {
       frame_box(bounds.low_m, bounds.high_m);
       break;
     }
+    case UiAction::kMeasure: desk_->measure() = {!desk_->measure().on, std::nullopt, std::nullopt}; break;
+    case UiAction::kFloorLines: desk_->set_floor_lines(!desk_->floor_lines()); break;
+    case UiAction::kCompare: compare_from_here(); break;
+    case UiAction::kEndCompare: desk_->comparison() = {}; break;
     case UiAction::kCamera: take_camera(static_cast<std::size_t>(call.argument)); break;
     case UiAction::kWorkLight: controls_.work_light = !controls_.work_light; break;
     case UiAction::kBrighter: expose(-kExposureStepEv); break;  // a lower EV makes a brighter picture
@@ -219,6 +264,36 @@ void Preview::call(const UiCall& call) {
     case UiAction::kPalette: palette_.open(); break;
     case UiAction::kEscape: closing_ = !close_topmost(panels_, *desk_) || closing_; break;
   }
+}
+
+void Preview::show_handles(bool on) {
+  desk_->set_handles(on);
+  if (on && desk_->selected().empty()) tell("handles: select a fixture to see them");
+}
+
+// Lines on the floor, and what is measured.
+void Preview::draw_measures() {
+  const StagePlace where = stage();
+  if (desk_->floor_lines()) {
+    const Bounds bounds = bounds_of(edited_->scene()->rig);
+    draw_floor_lines(floor_lines(bounds.low_m, bounds.high_m), where, window_->ui_scale());
+  }
+  const StageMeasure& measure = desk_->measure();
+  if (!measure.on) return;
+  std::optional<glm::dvec3> under_m;
+  const ImGuiIO& io = ImGui::GetIO();
+  if (!io.WantCaptureMouse && measure.from_m && !measure.to_m) {
+    under_m = measured_point(edited_->scene()->rig, pick(), where, {io.MousePos.x, io.MousePos.y});
+  }
+  draw_measure(measure, under_m, where, window_->ui_scale());
+}
+
+// Opens the panel that shows the comparison.
+void Preview::compare_from_here() {
+  if (desk_->compiled().universes.empty()) return;
+  const std::optional<TimeNs> log_ns = player_ ? std::optional(controls_.transport.now_ns) : std::nullopt;
+  desk_->comparison() = {keep_levels(desk_->compiled().universes, panel_levels(), log_ns), std::nullopt};
+  (void)panels_.open_words("universes", *desk_);
 }
 
 void Preview::take_camera(std::size_t index) {

@@ -65,6 +65,7 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   desk_->start_view(OrbitCamera(camera), {static_cast<float>(camera.exposure_ev), options_.display.auto_exposure});
   show_exposure();
   FL_TRY(panels_.open_words(options_.panels, *desk_));
+  desk_->set_handles(options_.handles);
   if (!options_.select.empty()) {
     desk_->select_named(options_.select);
     if (desk_->state().selection.fixtures.empty()) {

@@ -39,6 +39,7 @@
 #include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/questions.h"
+#include "tools/footlight/preview/ui/stage_handles.h"
 #include "tools/footlight/preview/ui/stage_pick.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
 #include "tools/footlight/preview/window.h"
@@ -134,6 +135,10 @@ class Preview {
   void draw_ui();
   void take_input(bool typing);
   void take_mouse();
+  bool take_handles();
+  void show_handles(bool on);
+  void compare_from_here();
+  void draw_measures();
   void call(const UiCall& call);
   void take_camera(std::size_t index);
   void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);
@@ -218,6 +223,7 @@ class Preview {
   UiPanels panels_;
   Palette palette_;
   std::unique_ptr<StagePick> pick_;     // made by the first selection
+  StageHandles handles_;
   std::vector<std::uint8_t> overlaid_;  // levels with what was taken over
   std::vector<std::uint8_t> panel_levels_;
   std::array<bool, 3> pressed_on_stage_{};  // buttons of the mouse

@@ -21,6 +21,9 @@ bool is_possible(const KeyRow& row, const UiDesk& desk, bool has_log, const Outp
     case UiAction::kRedo: return desk.history().next_redo() != nullptr;
     case UiAction::kSave: return desk.can_edit();
     case UiAction::kDelete: return desk.can_edit() && !desk.selected().empty();
+    case UiAction::kNudge: return desk.can_edit() && !desk.selected().empty();
+    case UiAction::kCompare: return !desk.compiled().universes.empty();
+    case UiAction::kEndCompare: return desk.comparison().a.has_value();
     case UiAction::kReleaseAll: return !desk.state().taken.empty();
     case UiAction::kSelectAll: return !desk.rig().fixtures.empty();
     case UiAction::kEndBlackout: return outputs->darkness != Darkness::kNone;

@@ -21,7 +21,13 @@ enum class UiAction {
   kReleaseAll,
   kFrame,  // the selection; the rig if there is none
   kFrameRig,
-  kCamera,  // argument: its index
+  kHandles,  // that move and aim the selection in the picture
+  kNudge,    // moves the selection; argument: nudge_axis()
+  kCamera,   // argument: its index
+  kMeasure,     // clicks measure distances
+  kFloorLines,
+  kCompare,     // keeps this moment, to compare it with now
+  kEndCompare,
   kWorkLight,
   kBrighter,
   kDarker,
@@ -53,6 +59,10 @@ struct UiCall {
   int argument = 0;
   bool operator==(const UiCall&) const = default;
 };
+
+// Argument of kNudge: the axis times 2, and 1 towards lower values.
+[[nodiscard]] constexpr int nudge_axis(int argument) { return argument / 2; }
+[[nodiscard]] constexpr double nudge_sign(int argument) { return argument % 2 == 0 ? 1 : -1; }
 
 enum class UiMenu { kNone, kEdit, kView, kPlayback, kOutputs };
 

@@ -14,7 +14,10 @@ namespace {
 void draw_rows(UiMenu menu, const UiDesk& desk, const OutputsView* outputs, std::optional<UiCall>& chosen) {
   for (const KeyRow& row : key_rows()) {
     if (row.menu != menu) continue;
-    const bool checked = row.call.action == UiAction::kHighlight && desk.highlights();
+    const bool checked = (row.call.action == UiAction::kHighlight && desk.highlights()) ||
+                         (row.call.action == UiAction::kHandles && desk.handles()) ||
+                         (row.call.action == UiAction::kMeasure && desk.measure().on) ||
+                         (row.call.action == UiAction::kFloorLines && desk.floor_lines());
     const std::string label = fmt::format("{}###{}", label_of(row, desk), row.keys);
     if (ImGui::MenuItem(label.c_str(), row.keys, checked, is_possible(row, desk, true, outputs))) chosen = row.call;
   }

@@ -13,7 +13,6 @@ namespace {
 using Box = StagePick::Box;
 
 constexpr double kSmallestHalfM = 0.1;
-constexpr double kNearM = 0.02;
 constexpr double kNever = 1e30;
 
 void include(Box& box, const glm::dvec3& point_m) {
@@ -38,8 +37,8 @@ Box body_box(const fixtures::FixtureType& type, const fixtures::Mode& mode) {
     const glm::dvec3 half = type.models[static_cast<std::size_t>(geometry.model)].size_m / 2.0;
     for (int c = 0; c < 8; ++c) include(box, glm::dvec3(poses.back() * glm::dvec4(corner_of(-half, half, c), 1)));
   }
-  const bool simple = !models && type.body != fixtures::BodyModel::kNone && !type.beams.empty() &&
-                      mode.geometries.size() == 4;
+  const bool simple =
+      !models && type.body != fixtures::BodyModel::kNone && !type.beams.empty() && mode.geometries.size() == 4;
   if (simple) {
     const fixtures::BodySize size = fixtures::body_size(type, mode);
     for (const fixtures::BodyVertex& vertex : fixtures::make_body(type.body, size).vertices) {
@@ -54,39 +53,7 @@ Box body_box(const fixtures::FixtureType& type, const fixtures::Mode& mode) {
   return {middle - half, middle + half};
 }
 
-// The distance in units of `way` at which a ray comes into a box; kNever: it does not. 0: it starts inside.
-double meets(const glm::dvec3& from, const glm::dvec3& way, const glm::dvec3& low, const glm::dvec3& high) {
-  double enter = -kNever;
-  double leave = kNever;
-  for (int i = 0; i < 3; ++i) {
-    if (std::abs(way[i]) < 1e-12) {
-      if (from[i] < low[i] || from[i] > high[i]) return kNever;
-      continue;
-    }
-    const double a = (low[i] - from[i]) / way[i];
-    const double b = (high[i] - from[i]) / way[i];
-    enter = std::max(enter, std::min(a, b));
-    leave = std::min(leave, std::max(a, b));
-  }
-  return enter <= leave && leave > 0 ? std::max(enter, 0.0) : kNever;
-}
-
-// Half the picture's height and width at a depth of 1.
-glm::dvec2 slopes_of(const StagePlace& place) {
-  const double up = place.view.tan_half_fov;
-  return {up * place.size.x / std::max(place.size.y, 1.0), up};
-}
-
 }  // namespace
-
-std::optional<glm::dvec2> projected(const StagePlace& place, const glm::dvec3& point_m) {
-  const glm::dvec3 way = point_m - place.view.position_m;
-  const double depth = glm::dot(way, place.view.forward);
-  if (!(depth > kNearM)) return std::nullopt;
-  const glm::dvec2 slopes = slopes_of(place);
-  return glm::dvec2((1 + glm::dot(way, place.view.right) / (depth * slopes.x)) / 2 * place.size.x,
-                    (1 - glm::dot(way, place.view.up) / (depth * slopes.y)) / 2 * place.size.y);
-}
 
 StagePick::StagePick(const fixtures::Rig& rig) : rig_(rig) {
   std::map<std::pair<int, int>, std::size_t> known;
@@ -104,8 +71,8 @@ int StagePick::fixture_at(const StagePlace& place, glm::dvec2 at, double reach_u
                          place.view.up * ((1 - 2 * at.y / place.size.y) * slopes.y);
   double wall = kNever;
   for (const fixtures::StageBox& box : rig_.boxes) {
-    const double enter = meets(from, way, box.min_m, box.max_m);
-    if (enter > 0) wall = std::min(wall, enter);  // a camera within a box sees out of it, as in the picture
+    const auto enter = into_box(from, way, box.min_m, box.max_m);
+    if (enter && *enter > 0) wall = std::min(wall, *enter);  // a camera within a box sees out of it, as in the picture
   }
   int nearest = -1;
   int beside = -1;
@@ -125,16 +92,16 @@ int StagePick::fixture_at(const StagePlace& place, glm::dvec2 at, double reach_u
       }
     }
     // The sphere around the box first: most rays miss it.
-    const double scale = std::max({glm::length(glm::dvec3(pose[0])), glm::length(glm::dvec3(pose[1])),
-                                   glm::length(glm::dvec3(pose[2]))});
+    const double scale = std::max(
+        {glm::length(glm::dvec3(pose[0])), glm::length(glm::dvec3(pose[1])), glm::length(glm::dvec3(pose[2]))});
     const double radius = scale * glm::length(box.high_m - box.low_m) / 2;
     const double along = glm::dot(middle - from, way) / glm::dot(way, way);
     if (glm::length(middle - from - way * along) > radius) continue;
     const glm::dmat4 back = glm::inverse(pose);
-    const double enter = meets(glm::dvec3(back * glm::dvec4(from, 1)), glm::dvec3(back * glm::dvec4(way, 0)), box.low_m,
-                               box.high_m);
-    if (enter < nearest_depth) {
-      nearest_depth = enter;
+    const auto enter =
+        into_box(glm::dvec3(back * glm::dvec4(from, 1)), glm::dvec3(back * glm::dvec4(way, 0)), box.low_m, box.high_m);
+    if (enter && *enter < nearest_depth) {
+      nearest_depth = *enter;
       nearest = static_cast<int>(i);
     }
   }

@@ -11,15 +11,9 @@
 #include <glm/glm.hpp>
 
 #include "fixtures/model/rig.h"
-#include "render/image.h"
+#include "tools/footlight/preview/ui/stage_rays.h"
 
 namespace footlight::tools {
-
-// A part of the window in units of the user interface, with a picture of `view` in it.
-struct StagePlace {
-  render::View view;
-  glm::dvec2 size{1};  // from (0, 0)
-};
 
 class StagePick {
  public:
@@ -51,8 +45,5 @@ class StagePick {
   std::vector<Box> boxes_;              // of each mode in use
   std::vector<std::size_t> box_index_;  // of each fixture
 };
-
-// Where a point of the stage is; nothing if it is not in front of the camera.
-[[nodiscard]] std::optional<glm::dvec2> projected(const StagePlace& place, const glm::dvec3& point_m);
 
 }  // namespace footlight::tools

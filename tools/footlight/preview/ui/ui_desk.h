@@ -18,7 +18,9 @@
 #include "fixtures/files/library.h"
 #include "fixtures/model/rig.h"
 #include "tools/footlight/preview/hand_levels.h"
+#include "tools/footlight/preview/ui/level_comparison.h"
 #include "tools/footlight/preview/ui/rig_index.h"
+#include "tools/footlight/preview/ui/stage_measure.h"
 #include "tools/footlight/preview/ui/ui_state.h"
 
 namespace footlight::tools {
@@ -74,6 +76,9 @@ class UiDesk {
   void run(UiCommand command) { history_.run(state_, std::move(command), gesture_); }
   // What the commands that follow belong to, until the next call: a drag is one gesture.
   void begin_gesture() { ++gesture_; }
+  // Takes the command of the current gesture back, as if it had not been: for a drag that is cancelled. Nothing happens
+  // if there was none. For commands that do not edit the rig.
+  void drop_gesture() { (void)history_.drop(state_, gesture_); }
   // The text of the command; empty: there was none.
   std::string undo();
   std::string redo();
@@ -117,6 +122,21 @@ class UiDesk {
   [[nodiscard]] bool highlights() const { return highlight_; }
   void set_highlight(bool on) { highlight_ = on; }
 
+  // Whether handles that move and aim the selected fixtures are in the picture.
+  [[nodiscard]] bool handles() const { return handles_; }
+  void set_handles(bool on) { handles_ = on; }
+
+  // Whether clicks measure, and what.
+  [[nodiscard]] const StageMeasure& measure() const { return measure_; }
+  [[nodiscard]] StageMeasure& measure() { return measure_; }
+  // Whether lines on the floor are in the picture.
+  [[nodiscard]] bool floor_lines() const { return floor_lines_; }
+  void set_floor_lines(bool on) { floor_lines_ = on; }
+
+  // Two moments whose levels the universes panel compares.
+  [[nodiscard]] const LevelComparison& comparison() const { return comparison_; }
+  [[nodiscard]] LevelComparison& comparison() { return comparison_; }
+
   // Whether overlay() changes anything.
   [[nodiscard]] bool overlays() const {
     return !pauses_ && (!state_.taken.empty() || (highlight_ && !state_.selection.fixtures.empty()));
@@ -147,6 +167,10 @@ class UiDesk {
   UiHistory history_;
   std::uint64_t gesture_ = 1;
   bool highlight_ = false;
+  bool handles_ = false;
+  bool floor_lines_ = false;
+  StageMeasure measure_;
+  LevelComparison comparison_;
   bool pauses_ = false;
 };
 

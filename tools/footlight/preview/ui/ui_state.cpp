@@ -264,6 +264,13 @@ void UiHistory::run(UiState& state, UiCommand command, std::uint64_t gesture) {
   done_ = commands_.size();
 }
 
+bool UiHistory::drop(UiState& state, std::uint64_t gesture) {
+  if (gesture == 0 || gesture != gesture_ || done_ == 0 || done_ != commands_.size()) return false;
+  (void)undo(state);
+  forget_undone();
+  return true;
+}
+
 void UiHistory::forget_undone() {
   for (; commands_.size() > done_; commands_.pop_back()) bytes_ -= bytes_of(commands_.back());
 }

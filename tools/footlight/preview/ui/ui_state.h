@@ -163,6 +163,8 @@ class UiHistory {
   [[nodiscard]] const UiCommand* next_undo() const { return done_ > 0 ? &commands_[done_ - 1] : nullptr; }
   [[nodiscard]] const UiCommand* next_redo() const { return done_ < commands_.size() ? &commands_[done_] : nullptr; }
   [[nodiscard]] std::size_t size() const { return commands_.size(); }
+  // Undoes the last command and forgets it, if it is of this gesture; else false.
+  bool drop(UiState& state, std::uint64_t gesture);
   // Forgets what was undone.
   void forget_undone();
   // What the commands need.

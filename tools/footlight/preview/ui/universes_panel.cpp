@@ -13,8 +13,9 @@
 
 #include "fixtures/displays/pixel_slots.h"
 #include "tools/footlight/monitor/slot_changes.h"
-#include "tools/footlight/preview/ui/channel_reading.h"
+#include "tools/footlight/preview/ui/draw_compare.h"
 #include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/slot_names.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 
 namespace footlight::tools {
@@ -47,11 +48,18 @@ class UniversesPanel final : public Panel {
     }
     shown_ = std::min(shown_, universes.size() - 1);
     draw_choice(desk, input);
-    take(input);
+    compare_.take(desk, input, frozen_);
+    take(desk, input);
     draw_source(desk, input);
-    const std::optional<std::size_t> under = draw_grid(desk);
+    compare_.draw_row(desk, input, universes[shown_]);
+    const bool lists = desk.comparison().a && !compare_.difference().slots.empty();
+    const float list = lists ? std::max(ImGui::GetContentRegionAvail().y * 0.38f, 4 * ImGui::GetTextLineHeight()) : 0;
+    const std::optional<std::size_t> under = draw_grid(desk, list);
     draw_slot(desk, under.value_or(last_under_));
     if (under) last_under_ = *under;
+    const std::size_t before = shown_;
+    if (lists) compare_.draw_list(desk, list, shown_);
+    if (shown_ != before) fresh_ = true;
   }
 
  private:
@@ -67,7 +75,10 @@ class UniversesPanel final : public Panel {
       while (clipper.Step()) {
         for (auto i = static_cast<std::size_t>(clipper.DisplayStart); i < static_cast<std::size_t>(clipper.DisplayEnd);
              ++i) {
-          if (ImGui::Selectable(fmt::format("universe {}", universes[i]).c_str(), i == shown_)) shown_ = i;
+          const int differ = compare_.difference().slots_of(universes[i]);
+          const std::string name = differ > 0 ? fmt::format("universe {}: {} differ", universes[i], differ)
+                                              : fmt::format("universe {}", universes[i]);
+          if (ImGui::Selectable(name.c_str(), i == shown_)) shown_ = i;
         }
       }
       ImGui::EndCombo();
@@ -77,10 +88,26 @@ class UniversesPanel final : public Panel {
     ImGui::SameLine();
     ImGui::Checkbox("freeze", &frozen_);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Keeps what is shown. The picture goes on.");
+    if (!desk.comparison().a) {
+      ImGui::SameLine();
+      if (ImGui::Button("compare with now (K)")) {
+        const auto log_ns = input.transport != nullptr ? std::optional(input.transport->now_ns) : std::nullopt;
+        desk.comparison().a = keep_levels(universes, input.levels, log_ns);
+      }
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("Keeps this moment, and marks the slots that differ from it.");
+    }
     if (shown_ != before) fresh_ = true;
   }
 
-  void take(const UiInput& input) {
+  // The levels of the grid: of the kept moment B if there is one.
+  void take(const UiDesk& desk, const UiInput& input) {
+    if (const auto& b = desk.comparison().b; b && desk.comparison().a) {
+      changes_ = {};
+      const auto levels = LevelView(b->moment).of(desk.compiled().universes[shown_]);
+      std::copy(levels.begin(), levels.end(), changes_.levels.begin());
+      fresh_ = true;  // what comes after it begins anew
+      return;
+    }
     if (frozen_ && !fresh_) return;
     const std::size_t from = shown_ * kSlotCountMax;
     if (from + kSlotCountMax > input.levels.size()) return;
@@ -127,13 +154,13 @@ class UniversesPanel final : public Panel {
   }
 
   // The slot under the mouse.
-  std::optional<std::size_t> draw_grid(UiDesk& desk) {
+  std::optional<std::size_t> draw_grid(UiDesk& desk, float below) {
     const float line = ImGui::GetTextLineHeight();
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float head = line * 2.2f;  // the address of the first slot of a row
     const float width = std::max(std::floor((room.x - head) / kColumns), 4.0f);
-    const float height = std::clamp(std::floor((room.y - 2 * line - 8) / kRows), 5.0f, line * 1.8f);
+    const float height = std::clamp(std::floor((room.y - below - 2 * line - 8) / kRows), 5.0f, line * 1.8f);
     ImGui::InvisibleButton("grid", {head + width * kColumns, height * kRows});
     std::optional<std::size_t> under;
     if (ImGui::IsItemHovered()) {
@@ -149,6 +176,7 @@ class UniversesPanel final : public Panel {
         desk.select(uses.empty() ? -1 : uses.front().key.fixture, io.KeyCtrl || io.KeyShift);
       }
     }
+    if (under) draw_difference_tip(desk, *under);
     ImDrawList* draw = ImGui::GetWindowDrawList();
     const float size = ImGui::GetFontSize() * 0.8f;
     const bool numbers = width >= size * 2 && height >= size;
@@ -166,6 +194,22 @@ class UniversesPanel final : public Panel {
       draw_cell(desk, *draw, static_cast<std::size_t>(slot), low, {width, height}, numbers ? size : 0);
     }
     return under;
+  }
+
+  // The level of a slot in the kept moment A; nothing if it does not differ.
+  [[nodiscard]] std::optional<std::uint8_t> other_level(const UiDesk& desk, std::size_t slot) const {
+    if (!desk.comparison().a) return std::nullopt;
+    const auto levels = LevelView(desk.comparison().a->moment).of(desk.compiled().universes[shown_]);
+    const std::uint8_t level = levels.empty() ? std::uint8_t{0} : levels[slot];
+    return level != changes_.levels[slot] ? std::optional(level) : std::nullopt;
+  }
+
+  void draw_difference_tip(const UiDesk& desk, std::size_t slot) const {
+    const auto other = other_level(desk, slot);
+    if (!other) return;
+    const std::string words = fmt::format("{}.{}  A {}, B {} ({:+})", desk.compiled().universes[shown_], slot + 1,
+                                          *other, changes_.levels[slot], changes_.levels[slot] - *other);
+    ImGui::SetTooltip("%s", words.c_str());
   }
 
   // A slot: a bar as high as its level, brighter where it changed; frames for what is selected, taken over or shared.
@@ -201,6 +245,17 @@ class UniversesPanel final : public Panel {
       if (taken) draw.AddRectFilled({high.x - 4, low.y}, {high.x, low.y + 4}, ImGui::GetColorU32(kUiGreen));
       if (shared) draw.AddRectFilled({low.x, high.y - 2}, high, ImGui::GetColorU32(kUiRed));
     }
+    if (const auto other = other_level(desk, slot)) {
+      static const ImVec4 kDiffers{0.90f, 0.45f, 0.95f, 1};
+      constexpr float kFrameUnits = 9;  // in a lower cell a frame and a line would hide the bar
+      if (size.y < kFrameUnits) {
+        draw.AddRectFilled({low.x, high.y - 2}, high, ImGui::GetColorU32(kDiffers));
+      } else {  // its level in A is a line
+        const float at = high.y - (high.y - low.y) * static_cast<float>(*other) / 255;
+        draw.AddLine({low.x, at}, {high.x, at}, IM_COL32_WHITE, 1.5f);
+        draw.AddRect(low, high, ImGui::GetColorU32(kDiffers), 0, 0, 1.5f);
+      }
+    }
     if (text_size > 0 && (level > 0 || used)) {
       const float lift = (size.y - 1 - text_size) / 2;
       draw.AddText(ImGui::GetFont(), text_size, {low.x + 2, low.y + lift},
@@ -214,25 +269,14 @@ class UniversesPanel final : public Panel {
 
   // What the slot is for.
   void draw_slot(UiDesk& desk, std::size_t slot) const {
-    const auto uses = desk.index().uses(shown_, slot);
     std::string words = fmt::format("{}.{}  level {} ({:.0f} %)", desk.compiled().universes[shown_], slot + 1,
                                     changes_.levels[slot], changes_.levels[slot] / 2.55);
     if (changes_.changed_ns[slot] != 0) {
       words += fmt::format("  changed {:.1f} s ago", static_cast<double>(now_ns_ - changes_.changed_ns[slot]) * 1e-9);
     }
+    if (const auto other = other_level(desk, slot)) words += fmt::format("  A {}", *other);
     ui_text(words);
-    std::string meaning;
-    for (const SlotUse& use : uses) {
-      const fixtures::Channel& channel = desk.index().channel(use.key);
-      const fixtures::PatchedFixture& fixture = desk.rig().fixtures[static_cast<std::size_t>(use.key.fixture)];
-      meaning += fmt::format("{}{}: {}", meaning.empty() ? "" : " | ", fixture.name, name_of(channel));
-      if (channel.slot_offsets.size() > 1) {
-        meaning += fmt::format(", byte {} of {}", use.byte + 1, channel.slot_offsets.size());
-      }
-    }
-    for (const fixtures::PixelUse& pixel : pixels_of(desk, slot)) {
-      meaning += fmt::format("{}{}", meaning.empty() ? "" : " | ", fixtures::text_of(pixel, desk.rig()));
-    }
+    const std::string meaning = text_of(names_of_slot(desk.rig(), desk.compiled(), desk.index(), shown_, slot));
     const bool used = !meaning.empty();
     ui_text(used ? kUiAmber : kUiDim, used ? meaning : "no fixture and no display uses this slot");
   }
@@ -241,6 +285,7 @@ class UniversesPanel final : public Panel {
   bool frozen_ = false;
   bool fresh_ = true;  // no levels of this universe were taken yet
   SlotChanges changes_;
+  CompareView compare_;
   TimeNs now_ns_ = 0;  // of changes_
   std::size_t last_under_ = 0;
 };

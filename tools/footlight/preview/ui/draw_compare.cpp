@@ -1,0 +1,132 @@
+#include "tools/footlight/preview/ui/draw_compare.h"
+
+#include <algorithm>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <imgui/imgui.h>
+
+#include "sim/core/counted.h"
+#include "tools/footlight/preview/ui/slot_names.h"
+#include "tools/footlight/preview/ui/ui_theme.h"
+
+namespace footlight::tools {
+namespace {
+
+std::optional<TimeNs> log_time(const UiInput& input) {
+  return input.transport != nullptr ? std::optional(input.transport->now_ns) : std::nullopt;
+}
+
+// The button that goes to where a kept moment is in the log.
+void draw_go(const UiInput& input, const KeptLevels& kept) {
+  if (input.transport == nullptr || !kept.log_ns) return;
+  ImGui::SameLine(0, 2);
+  if (ImGui::SmallButton("go")) input.transport->seek_ns = *kept.log_ns;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("The log goes to this time.");
+}
+
+}  // namespace
+
+void CompareView::take(const UiDesk& desk, const UiInput& input, bool frozen) {
+  const LevelComparison& both = desk.comparison();
+  if (!both.a) {
+    difference_ = {};
+    return;
+  }
+  if (both.b) {
+    difference_ = compare_moments(both.a->moment, both.b->moment);
+  } else if (!frozen) {
+    difference_ = compare_moments(both.a->moment, LevelView(desk.compiled().universes, input.levels));
+  }
+}
+
+void CompareView::draw_row(UiDesk& desk, const UiInput& input, Universe universe) {
+  LevelComparison& both = desk.comparison();
+  if (!both.a) return;
+  const auto keep = [&] { return keep_levels(desk.compiled().universes, input.levels, log_time(input)); };
+  ImGui::PushID("a");
+  ui_text(kUiAmber, "A");
+  ImGui::SameLine(0, 4);
+  ui_text(both.a->when);
+  ImGui::SameLine(0, 4);
+  if (ImGui::SmallButton("here")) both.a = keep();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("A is this moment.");
+  draw_go(input, *both.a);
+  ImGui::PopID();
+  ImGui::SameLine(0, 14 * input.scale);
+  ImGui::PushID("b");
+  ui_text(kUiAmber, "B");
+  ImGui::SameLine(0, 4);
+  ui_text(both.b ? both.b->when : "now");
+  ImGui::SameLine(0, 4);
+  if (ImGui::SmallButton("here")) both.b = keep();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("B is this moment, and stays it.");
+  if (both.b) {
+    draw_go(input, *both.b);
+    ImGui::SameLine(0, 2);
+    if (ImGui::SmallButton("now")) both.b.reset();
+  }
+  ImGui::PopID();
+  ImGui::SameLine(0, 14 * input.scale);
+  const std::size_t all = difference_.slots.size();
+  const std::string words =
+      all == 0 ? "no slot differs"
+               : fmt::format("{} {}, {} in universe {}", counted(all, "slot"), all == 1 ? "differs" : "differ",
+                             difference_.slots_of(universe), universe);
+  ui_text(all > 0 ? kUiAmber : kUiGreen, words);
+  ImGui::SameLine();
+  if (ImGui::SmallButton("end")) both = {};
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ends the comparison (Shift+K).");
+}
+
+void CompareView::draw_list(UiDesk& desk, float height, std::size_t& shown) const {
+  constexpr ImGuiTableFlags kFlags =
+      ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_Resizable | ImGuiTableFlags_BordersInnerV;
+  if (!ImGui::BeginTable("differences", 5, kFlags, {0, height})) return;
+  ImGui::TableSetupScrollFreeze(0, 1);
+  ImGui::TableSetupColumn("Slot", ImGuiTableColumnFlags_WidthStretch, 0.6f);
+  ImGui::TableSetupColumn("Fixture", ImGuiTableColumnFlags_WidthStretch, 1.4f);
+  ImGui::TableSetupColumn("Parameter", ImGuiTableColumnFlags_WidthStretch, 1.6f);
+  ImGui::TableSetupColumn("A", ImGuiTableColumnFlags_WidthStretch, 0.4f);
+  ImGui::TableSetupColumn("B", ImGuiTableColumnFlags_WidthStretch, 0.8f);
+  ImGui::TableHeadersRow();
+  const auto& universes = desk.compiled().universes;
+  ImGuiListClipper clipper;
+  clipper.Begin(static_cast<int>(difference_.slots.size()));
+  while (clipper.Step()) {
+    for (int row = clipper.DisplayStart; row < clipper.DisplayEnd; ++row) {
+      const SlotDifference& one = difference_.slots[static_cast<std::size_t>(row)];
+      const auto at = std::lower_bound(universes.begin(), universes.end(), one.universe);
+      const bool known = at != universes.end() && *at == one.universe;
+      const auto universe = static_cast<std::size_t>(at - universes.begin());
+      std::vector<SlotName> names;
+      if (known) {
+        names = names_of_slot(desk.rig(), desk.compiled(), desk.index(), universe,
+                              static_cast<std::size_t>(slot_of_address(one.address)));
+      }
+      ImGui::PushID(row);
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      const std::string slot = fmt::format("{}.{}", one.universe, one.address);
+      const bool marked = std::any_of(names.begin(), names.end(),
+                                      [&](const SlotName& name) { return desk.state().selection.has(name.index); });
+      if (ImGui::Selectable(slot.c_str(), marked, ImGuiSelectableFlags_SpanAllColumns)) {
+        if (known) shown = universe;
+        if (!names.empty()) desk.select(names.front().index, ImGui::GetIO().KeyCtrl);
+      }
+      ImGui::TableNextColumn();
+      ui_text(names.empty() ? "" : names.front().fixture);
+      ImGui::TableNextColumn();
+      ui_text(names.empty() ? "" : names.front().parameter);
+      ImGui::TableNextColumn();
+      ui_text(fmt::format("{}", one.a));
+      ImGui::TableNextColumn();
+      ui_text(fmt::format("{} ({:+})", one.b, one.b - one.a));
+      ImGui::PopID();
+    }
+  }
+  ImGui::EndTable();
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,27 @@
+// The part of the universes panel that compares two moments: a row of buttons, and the list of slots that differ. Dear
+// ImGui only.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "tools/footlight/preview/ui/panels.h"
+
+namespace footlight::tools {
+
+class CompareView {
+ public:
+  // Compares anew, unless `frozen`: then what was compared last stays.
+  void take(const UiDesk& desk, const UiInput& input, bool frozen);
+  // The buttons, while there is a moment A; `universe` is the one that is shown.
+  void draw_row(UiDesk& desk, const UiInput& input, Universe universe);
+  // The slots that differ. A click on one selects its fixture and shows its universe, an index into those of the rig.
+  void draw_list(UiDesk& desk, float height, std::size_t& shown) const;
+
+  [[nodiscard]] const MomentDifference& difference() const { return difference_; }
+
+ private:
+  MomentDifference difference_;
+};
+
+}  // namespace footlight::tools

@@ -1,0 +1,31 @@
+// Two moments that the window compares: one that was kept, and now or another one that was kept. Not an edit: it is
+// lost when the window closes, and undo does not change it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/core/clock.h"
+#include "tools/footlight/monitor/level_moment.h"
+
+namespace footlight::tools {
+
+struct KeptLevels {
+  LevelMoment moment;  // that the fixtures got
+  std::string when;    // time of the log, or of the day
+  std::optional<TimeNs> log_ns;
+};
+
+struct LevelComparison {
+  std::optional<KeptLevels> a;  // nothing: nothing is compared
+  std::optional<KeptLevels> b;  // nothing: now
+};
+
+// log_ns: the time of the log that plays; nothing: there is none.
+[[nodiscard]] KeptLevels keep_levels(const std::vector<Universe>& universes, std::span<const std::uint8_t> levels,
+                                     std::optional<TimeNs> log_ns);
+
+}  // namespace footlight::tools
