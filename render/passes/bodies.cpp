@@ -8,6 +8,7 @@
 #include "render/passes/compute_pass.h"
 #include "shaders/body.vert.h"
 #include "shaders/list.comp.h"
+#include "shaders/mirror.frag.h"
 #include "shaders/object.vert.h"
 #include "shaders/place.comp.h"
 #include "shaders/resolve.comp.h"
@@ -124,12 +125,15 @@ Result<BoundPipeline> raster_part(const PassContext& context, const vk::Pipeline
 const PassEntry kBodiesPass{
     "bodies",
     [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_bodies(needs, settings); },
-    [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
+    // The constant selects a shader.
+    [](const fixtures::Needs& needs, const FrameSettings& settings) {
+      return std::vector<vk::SpecConstant>{{FL_SPEC_GLOSS, has_gloss(needs, settings)}};
+    },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       using fixtures::BodyVertex;
       const Resources& r = context.resources;
       vk::Pipeline::Raster raster{kBodyVert,
-                                  kSurfaceFrag,
+                                  has_constant(context, FL_SPEC_GLOSS) ? vk::Spirv(kMirrorFrag) : vk::Spirv(kSurfaceFrag),
                                   r.picture.surface_id.format,
                                   r.picture.depth.format,
                                   sizeof(BodyVertex),
@@ -159,7 +163,9 @@ const PassEntry kBodiesPass{
                                                  {kSmallComp},
                                                  {kResolveComp},
                                                  {kBodyVert, kSurfaceFrag},
-                                                 {kObjectVert, kSurfaceFrag}};
+                                                 {kObjectVert, kSurfaceFrag},
+                                                 {kBodyVert, kMirrorFrag},
+                                                 {kObjectVert, kMirrorFrag}};
     },
     "bodies of fixtures and objects of the scene",
     [] {
