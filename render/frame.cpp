@@ -288,6 +288,7 @@ void Frame::record_passes(VkCommandBuffer commands, bool before_views) {
       passes_[i]->record(commands, std::as_bytes(std::span(&kept, 1)));
     } else {
       if (plan_[i].name == beams_first && !has_solids_) clear_radiance(commands);
+      if (plan_[i].name == kGlossPass.name) mirror_->record_levels(commands);
       passes_[i]->record(commands, {});
     }
     mark(commands, plan_[i].name);

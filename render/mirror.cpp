@@ -21,9 +21,18 @@ namespace footlight::render {
 namespace {
 
 // The passes of the mirrored camera's view, in the order of the frame.
-const PassEntry* const kMirrored[] = {&kBodiesPass,      &kTilesPass, &kSurfacesPass, &kDepthsPass,
-                                      &kShadowtilesPass, &kHazePass,  &kBeamsPass,    &kDisplaysPass,
-                                      &kLensesPass};
+const PassEntry* const kMirrored[] = {&kBodiesPass, &kTilesPass, &kSurfacesPass, &kDepthsPass, &kShadowtilesPass,
+                                      &kHazePass,   &kBeamsPass, &kDisplaysPass, &kLensesPass};
+
+// The push constants of mirrordown.comp.
+struct DownPush {
+  std::int32_t stage;
+  std::int32_t width;
+  std::int32_t height;
+  std::int32_t side;
+  std::uint32_t count;
+};
+constexpr std::int32_t kTake = -1;
 
 constexpr double kAboveM = 1e-3;  // a camera that is not so far above the plane sees no floor
 
@@ -72,6 +81,7 @@ MirrorShape mirror_shape(const FrameSettings& settings) {
     shape.height = std::max(shape.height, below);
     shape.levels.push_back(size);
   }
+  shape.height *= 2;  // two texels a pixel
   return shape;
 }
 
@@ -93,8 +103,8 @@ std::uint64_t mirror_bytes(const MemoryShape& shape) {
   for (const int binding :
        {FL_BINDING_MASKS, FL_BINDING_LASER_MASKS, FL_BINDING_TILE_DEPTHS, FL_BINDING_COARSE, FL_BINDING_RIMS,
         FL_BINDING_CUTS, FL_BINDING_SHADOW_WORDS, FL_BINDING_SHADOW_PICKS, FL_BINDING_FINE_MASKS,
-        FL_BINDING_SHADE_WORDS, FL_BINDING_SMALL_DEPTHS, FL_BINDING_SMALL_KEYS, FL_BINDING_EDGES,
-        FL_BINDING_EDGE_MASKS, FL_BINDING_SURFACE_ID, FL_BINDING_DEPTH, FL_BINDING_RADIANCE, FL_BINDING_SCREEN}) {
+        FL_BINDING_SHADE_WORDS, FL_BINDING_SMALL_DEPTHS, FL_BINDING_SMALL_KEYS, FL_BINDING_EDGES, FL_BINDING_EDGE_MASKS,
+        FL_BINDING_SURFACE_ID, FL_BINDING_DEPTH, FL_BINDING_RADIANCE, FL_BINDING_SCREEN}) {
     bytes += binding_bytes(static_cast<std::uint32_t>(binding), picture);
   }
   return bytes;
@@ -103,8 +113,8 @@ std::uint64_t mirror_bytes(const MemoryShape& shape) {
 std::vector<GlossRow> gloss_rows(const fixtures::Rig& rig) {
   std::vector<GlossRow> rows;
   for (const fixtures::GlossTop& top : fixtures::gloss_tops(rig)) {
-    rows.push_back({vec4(top.center_m, top.gloss.share), vec4(top.half_x_m, 0, top.gloss.roughness),
-                    vec4(top.half_y_m, 0, 0)});
+    rows.push_back(
+        {vec4(top.center_m, top.gloss.share), vec4(top.half_x_m, 0, top.gloss.roughness), vec4(top.half_y_m, 0, 0)});
   }
   return rows;
 }
@@ -136,10 +146,11 @@ Status Mirror::make(vk::Device& device, Resources& own, const fixtures::Needs& n
   FL_ASSIGN(resources_.picture, PictureImages::create(device, needs, plain, own.rig.mask_words, own.rig.laser_rows));
   resources_.bind_all();
   resources_.bindings.set_image(FL_BINDING_MIRROR, own.picture.mirror);
+  resources_.bindings.set_image(FL_BINDING_OWN_RADIANCE, own.picture.radiance);
+  side_ = static_cast<std::int32_t>(settings.gloss_px) * settings.supersample;
   for (const PassEntry* entry : kMirrored) {
     if (std::find(passes.begin(), passes.end(), entry) == passes.end() || !entry->needed(needs, settings_)) continue;
-    FL_ASSIGN(auto pass,
-              entry->create({device, resources_, settings_, mirror_constants(*entry, needs, settings_)}));
+    FL_ASSIGN(auto pass, entry->create({device, resources_, settings_, mirror_constants(*entry, needs, settings_)}));
     passes_.push_back(std::move(pass));
   }
   const PassContext context{device, resources_, settings_, {}};
@@ -147,10 +158,10 @@ Status Mirror::make(vk::Device& device, Resources& own, const fixtures::Needs& n
   if (needs.fixtures) {
     FL_ASSIGN(steps->eyes, BoundPipeline::compute(context, kEyesComp, {{FL_SPEC_RECTANGLE, needs.rectangle}}));
   }
-  FL_ASSIGN(steps->down, BoundPipeline::compute(context, kMirrordownComp,
-                                                {{FL_SPEC_BOXES, needs.surfaces},
-                                                 {FL_SPEC_BODIES, has_bodies(needs, settings_)},
-                                                 {FL_SPEC_GLOSS, 1}}));
+  FL_ASSIGN(steps->down,
+            BoundPipeline::compute(
+                context, kMirrordownComp,
+                {{FL_SPEC_BOXES, needs.surfaces}, {FL_SPEC_BODIES, has_bodies(needs, settings_)}, {FL_SPEC_GLOSS, 1}}));
   steps_ = std::move(steps);
   return {};
 }
@@ -167,12 +178,21 @@ void Mirror::record(VkCommandBuffer commands) {
     vk::full_barrier(commands);
   }
   steps_->down.bind(commands);
-  for (std::size_t i = 0; i < shape_.levels.size(); ++i) {
-    const auto level = static_cast<std::int32_t>(i);
-    steps_->down.pipeline->push(commands, std::as_bytes(std::span(&level, 1)));
-    vkCmdDispatch(commands, tile_groups(shape_.levels[i].x), tile_groups(shape_.levels[i].y), 1);
-    vk::full_barrier(commands);
-  }
+  record_down(commands, kTake);
+}
+
+void Mirror::record_levels(VkCommandBuffer commands) {
+  steps_->down.bind(commands);
+  for (std::size_t i = 0; i < shape_.levels.size(); ++i) record_down(commands, static_cast<std::int32_t>(i));
+}
+
+// stage: as in mirrordown.comp.
+void Mirror::record_down(VkCommandBuffer commands, std::int32_t stage) {
+  const DownPush push{stage, shape_.levels[0].x, shape_.levels[0].y, side_, resources_.rig.gloss_count};
+  const glm::ivec2 size = shape_.levels[static_cast<std::size_t>(std::max(stage, 0))];
+  steps_->down.pipeline->push(commands, std::as_bytes(std::span(&push, 1)));
+  vkCmdDispatch(commands, tile_groups(size.x), tile_groups(size.y), 1);
+  vk::full_barrier(commands);
 }
 
 void Mirror::record_eyes(VkCommandBuffer commands, const glm::dvec3& way_m) {

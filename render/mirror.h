@@ -3,7 +3,7 @@
 // The camera and its axes are mirrored in the plane of the floors. Each ray of its picture then is what one flat mirror
 // makes of the ray of the same pixel of the camera's own picture, and goes on where that one meets the floor. The passes
 // of a view draw that picture with the tables of the frame, where rays begin on the floor (lib/mirror.glsl), at a
-// fraction of the size, and mirrordown.comp makes a pyramid of it. Error and cost: docs/decisions/0147.
+// fraction of the size, and mirrordown.comp makes a pyramid of it, with weights for what the camera's own picture shows. Error and cost: docs/decisions/0147.
 //
 // The passes of a rig (PassEntry::before_views) are recorded once, before; the rows of beams, which are relative to the
 // camera, are brought to the camera afterwards (eyes.comp).
@@ -49,8 +49,10 @@ class Mirror {
   [[nodiscard]] const PictureImages& picture() const { return resources_.picture; }
   [[nodiscard]] std::uint64_t bytes() const;
 
-  // The passes of the view and the pyramid. The parameters of the frame are those of the mirrored camera.
+  // The passes of the view. The parameters of the frame are those of the mirrored camera.
   void record(VkCommandBuffer commands);
+  // The pyramid, when the camera's own picture has its surfaces. The parameters of the frame are those of the camera.
+  void record_levels(VkCommandBuffer commands);
   // Brings the rows of beams to the camera, whose parameters the frame has by now. way_m: from the mirrored camera.
   void record_eyes(VkCommandBuffer commands, const glm::dvec3& way_m);
 
@@ -59,12 +61,15 @@ class Mirror {
   Status make(vk::Device& device, Resources& own, const fixtures::Needs& needs, const FrameSettings& settings,
               const PassList& passes);
 
+  void record_down(VkCommandBuffer commands, std::int32_t stage);
+
   struct Steps;
   Resources resources_;
   FrameSettings settings_;
   std::vector<std::unique_ptr<Pass>> passes_;
   std::shared_ptr<Steps> steps_;
   MirrorShape shape_;
+  std::int32_t side_ = 1;  // pixels of the own picture in one
 };
 
 // Where the floors of a rig that mirror are.

@@ -405,7 +405,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
     case FL_BINDING_SHADE_WORDS:
       return shade_word_bytes(settings, mask_words_of(shape.compiled),
-                             has_tile_classes(shape.needs, settings) && has_shadows(shape.needs, settings));
+                              has_tile_classes(shape.needs, settings) && has_shadows(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
     case FL_BINDING_RIMS:
     case FL_BINDING_CUTS: {
@@ -560,8 +560,7 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   // With less room no list may be read, which is slow; nothing is lost.
   const std::uint64_t pick_bytes =
       shadow_pick_bytes(settings, mask_words, shadows && shadow_map_px(needs, settings) == 0);
-  FL_ASSIGN(p.shadow_picks,
-            zeroed(device, std::min<std::uint64_t>(pick_bytes, device.limits().maxStorageBufferRange)));
+  FL_ASSIGN(p.shadow_picks, zeroed(device, std::min<std::uint64_t>(pick_bytes, device.limits().maxStorageBufferRange)));
   FL_ASSIGN(p.shade_words, zeroed(device, shade_bytes));
   FL_ASSIGN(p.fine_masks, zeroed(device, fine_bytes));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
@@ -656,8 +655,7 @@ void Resources::bind_all() {
         &picture.depth, &picture.edges, &picture.glare, &picture.mirror, &picture.radiance, &picture.screen}) {
     total_bytes += image->size_bytes;
   }
-  for (const vk::Image* image :
-       {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &rig.haze_table}) {
+  for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &rig.haze_table}) {
     rig_bytes += image->size_bytes;
   }
   picture_bytes = total_bytes - rig_bytes;
@@ -667,8 +665,8 @@ std::uint64_t Resources::body_bytes() const {
   if (!rig.has_bodies) return 0;
   std::uint64_t bytes = picture.surface_id.size_bytes + picture.depth.size_bytes;
   const vk::Buffer* const buffers[] = {
-       &rig.slots, &rig.meshes, &rig.body_boxes, &rig.trees, &rig.head_slots, &rig.body_levels, &rig.vertices,
-        &rig.indices, &rig.draws, &rig.choices, &rig.drawn, &picture.small_depths, &picture.small_keys};
+      &rig.slots,   &rig.meshes, &rig.body_boxes, &rig.trees, &rig.head_slots,       &rig.body_levels,   &rig.vertices,
+      &rig.indices, &rig.draws,  &rig.choices,    &rig.drawn, &picture.small_depths, &picture.small_keys};
   for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
   return bytes;
 }

@@ -44,18 +44,16 @@ class GlossPass final : public Pass {
 
 }  // namespace
 
-const PassEntry kGlossPass{
-    "gloss",
-    has_gloss,
-    [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
-    [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
-      FL_ASSIGN(auto step, BoundPipeline::compute(context, kGlossComp, {}));
-      return std::unique_ptr<Pass>(new GlossPass(context, std::move(step)));
-    },
-    // The first two are those of render/mirror.cpp.
-    [] {
-      return std::vector<std::vector<vk::Spirv>>{{kEyesComp}, {kMirrordownComp}, {kGlossComp}};
-    },
-    "what floors mirror"};
+const PassEntry kGlossPass{"gloss", has_gloss,
+                           [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
+                           [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
+                             FL_ASSIGN(auto step, BoundPipeline::compute(context, kGlossComp, {}));
+                             return std::unique_ptr<Pass>(new GlossPass(context, std::move(step)));
+                           },
+                           // The first two are those of render/mirror.cpp.
+                           [] {
+                             return std::vector<std::vector<vk::Spirv>>{{kEyesComp}, {kMirrordownComp}, {kGlossComp}};
+                           },
+                           "what floors mirror"};
 
 }  // namespace footlight::render

@@ -6,22 +6,22 @@
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/mirror_levels.glsl"
+#include "render/shaders/lib/gloss.glsl"
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 layout(set = 0, binding = FL_BINDING_MIRROR, rgba32f) uniform readonly image2D mirror;
-layout(set = 0, binding = FL_BINDING_GLOSS, std430) readonly buffer GlossBuffer { GlossRow glosses[]; };
 layout(push_constant) uniform Push { int width; int height; int levels; uint count; } push;
 
 const float kReach = 2.5;        // of the slopes that are summed up, in standard deviations
 const float kSpacing = 1.5;      // of the places, in standard deviations of the blur
 const float kPlacesMax = 16.0;
 const float kFarM = 1e4;         // what is farther away counts as so far
-const float kHeightM = 1e-3;     // places so near the plane of a floor are on it
 
 ivec4 levels[FL_MIRROR_LEVELS];
 
-vec4 level_at(int n, vec2 at) {
+// which: the texel of each pixel (mirror_levels.glsl).
+vec4 level_at(int n, vec2 at, int which) {
   ivec4 level = levels[n];
   vec2 px = clamp(at, vec2(0.0), vec2(1.0)) * vec2(level.zw) - 0.5;
   ivec2 low = ivec2(floor(px));
@@ -29,17 +29,20 @@ vec4 level_at(int n, vec2 at) {
   ivec2 most = level.zw - 1;
   ivec2 a = level.xy + clamp(low, ivec2(0), most);
   ivec2 b = level.xy + clamp(low + 1, ivec2(0), most);
-  return mix(mix(imageLoad(mirror, a), imageLoad(mirror, ivec2(b.x, a.y)), part.x),
-             mix(imageLoad(mirror, ivec2(a.x, b.y)), imageLoad(mirror, b), part.x), part.y);
+  vec4 upper = mix(imageLoad(mirror, mirror_texel(a, which)), imageLoad(mirror, mirror_texel(ivec2(b.x, a.y), which)),
+                   part.x);
+  vec4 lower = mix(imageLoad(mirror, mirror_texel(ivec2(a.x, b.y), which)), imageLoad(mirror, mirror_texel(b, which)),
+                   part.x);
+  return mix(upper, lower, part.y);
 }
 
 // The picture at `at`, 0 to 1 across and down, blurred by a standard deviation in pixels of level 0: level n has
 // (4^n - 1) / 4, and the interpolation between its pixels adds 4^n / 6.
-vec4 blurred_at(vec2 at, float blur_px) {
+vec4 blurred_at(vec2 at, float blur_px, int which) {
   float n = clamp(0.5 * log2((blur_px * blur_px + 0.25) / 0.4167), 0.0, float(push.levels - 1));
   int low = int(n);
-  vec4 light = level_at(low, at);
-  return n > float(low) ? mix(light, level_at(low + 1, at), n - float(low)) : light;
+  vec4 light = level_at(low, at, which);
+  return n > float(low) ? mix(light, level_at(low + 1, at, which), n - float(low)) : light;
 }
 
 struct Floor {
@@ -68,10 +71,13 @@ vec3 mirrored_light(Floor at, float roughness) {
   float t_m = length(at.place);
   vec2 middle = facet_sees(at, vec2(0.0), t_m).xy;
   float slope = roughness * 0.70710678;  // standard deviation on each axis
-  if (!(slope > 1e-6)) return blurred_at(middle, 0.0).rgb;
+  if (!(slope > 1e-6)) {
+    vec4 sharp = blurred_at(middle, 0.0, 0);
+    return sharp.rgb / max(sharp.a, 1e-6);
+  }
   // How far away what is mirrored here is, on average.
   float widest_px = length((facet_sees(at, vec2(0.0, slope), kFarM).xy - middle) * size);
-  float behind = blurred_at(middle, 0.5 * widest_px).a;
+  float behind = blurred_at(middle, 0.5 * widest_px, 1).r / max(blurred_at(middle, 0.5 * widest_px, 0).a, 1e-6);
   float far_m = min(t_m * behind / max(1.0 - behind, 1e-6), kFarM);
   vec2 along_px = (facet_sees(at, vec2(slope, 0.0), far_m).xy - facet_sees(at, vec2(-slope, 0.0), far_m).xy) * size;
   float along = 0.5 * length(along_px);
@@ -89,10 +95,11 @@ vec3 mirrored_light(Floor at, float roughness) {
     vec3 seen = facet_sees(at, vec2(deviations * slope * spread, 0.0), far_m);
     float weight = exp(-0.5 * deviations * deviations) * seen.z;
     if (!(weight > 0.0)) continue;
-    sum += weight * blurred_at(seen.xy, blur_px).rgb;
-    weights += weight;
+    vec4 light = weight * blurred_at(seen.xy, blur_px, 0);
+    sum += light.rgb;
+    weights += light.a;
   }
-  return weights > 0.0 ? sum / weights : vec3(0.0);
+  return weights > 1e-12 ? sum / weights : vec3(0.0);
 }
 
 void main() {
@@ -100,23 +107,13 @@ void main() {
   if (pixel.x >= int(params.width) || pixel.y >= int(params.height)) return;
   vec4 shown = imageLoad(radiance, pixel);
   vec3 ray = normalize(ray_through(vec2(pixel) + 0.5));
-  if (!(shown.a < 0.5 * FL_FAR_M && ray.z < -1e-6)) return;
-  vec3 place = ray * shown.a;
-  uint found = FL_NONE;
-  for (uint i = 0u; i < push.count && found == FL_NONE; ++i) {
-    vec3 from = params.position.xyz - glosses[i].center.xyz + place;
-    vec3 half_x = glosses[i].half_x.xyz;
-    vec3 half_y = glosses[i].half_y.xyz;
-    bool inside = abs(from.z) < kHeightM + 2e-6 * shown.a && abs(dot(from, half_x)) <= dot(half_x, half_x) &&
-                  abs(dot(from, half_y)) <= dot(half_y, half_y);
-    if (inside) found = i;
-  }
+  uint found = floor_at(ray, shown.a, push.count);
   if (found == FL_NONE) return;
   for (int n = 0; n < FL_MIRROR_LEVELS; ++n) levels[n] = mirror_level(ivec2(push.width, push.height), n);
   float level_length = length(ray.xy);
   vec3 along = level_length > 1e-6 ? vec3(ray.xy / level_length, 0.0) : vec3(1.0, 0.0, 0.0);
   float share = glosses[found].center.w;
   share += (1.0 - share) * pow(clamp(1.0 + ray.z, 0.0, 1.0), 5.0);
-  vec3 light = mirrored_light(Floor(place, ray, along, vec3(-along.y, along.x, 0.0)), glosses[found].half_x.w);
+  vec3 light = mirrored_light(Floor(ray * shown.a, ray, along, vec3(-along.y, along.x, 0.0)), glosses[found].half_x.w);
   imageStore(radiance, pixel, vec4(mix(shown.rgb, light, share), shown.a));
 }

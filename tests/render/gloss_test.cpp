@@ -220,8 +220,9 @@ TEST_CASE("gloss of a rig file is read, and refused where its floors are at two 
   };
   CHECK(refused(floor + "[[box]]\nname = \"Riser\"\nmin = [0, 0, 0]\nmax = [1, 1, 0.4]\ngloss = 0.04\n")
             .find("\"Riser\" at 0.4 m: expected one height of gloss") != std::string::npos);
-  CHECK(refused("[[scenery]]\nkind = \"riser\"\nname = \"R\"\nrotation = [5, 0, 0]\ngloss = 0.04\n")
-            .find("not level") != std::string::npos);
+  CHECK(
+      refused("[[scenery]]\nkind = \"riser\"\nname = \"R\"\nrotation = [5, 0, 0]\ngloss = 0.04\n").find("not level") !=
+      std::string::npos);
   CHECK(refused("[[box]]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\ngloss = 1.5\n").find("gloss") != std::string::npos);
   CHECK(refused("[[box]]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\nroughness = 0.1\n").find("gloss") != std::string::npos);
 }

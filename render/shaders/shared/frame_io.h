@@ -126,7 +126,8 @@
 // Floors that mirror (gloss.comp): GlossRow, and the pyramid of the mirrored camera's picture (render/mirror.h).
 #define FL_BINDING_GLOSS (94 + FL_LAMP_COUNT)
 #define FL_BINDING_MIRROR (95 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (96 + FL_LAMP_COUNT)
+#define FL_BINDING_OWN_RADIANCE (96 + FL_LAMP_COUNT)  // for mirrordown.comp: the picture that is not mirrored
+#define FL_BINDING_COUNT (97 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
