@@ -73,11 +73,11 @@ vec3 mirrored_light(Floor at, float roughness) {
   float slope = roughness * 0.70710678;  // standard deviation on each axis
   if (!(slope > 1e-6)) {
     vec4 sharp = blurred_at(middle, 0.0, 0);
-    return sharp.rgb / max(sharp.a, 1e-6);
+    return sharp.rgb / max(sharp.a, 1e-12);
   }
   // How far away what is mirrored here is, on average.
   float widest_px = length((facet_sees(at, vec2(0.0, slope), kFarM).xy - middle) * size);
-  float behind = blurred_at(middle, 0.5 * widest_px, 1).r / max(blurred_at(middle, 0.5 * widest_px, 0).a, 1e-6);
+  float behind = blurred_at(middle, 0.5 * widest_px, 1).r / max(blurred_at(middle, 0.5 * widest_px, 0).a, 1e-12);
   float far_m = min(t_m * behind / max(1.0 - behind, 1e-6), kFarM);
   vec2 along_px = (facet_sees(at, vec2(slope, 0.0), far_m).xy - facet_sees(at, vec2(-slope, 0.0), far_m).xy) * size;
   float along = 0.5 * length(along_px);
@@ -99,7 +99,7 @@ vec3 mirrored_light(Floor at, float roughness) {
     sum += light.rgb;
     weights += light.a;
   }
-  return weights > 1e-12 ? sum / weights : vec3(0.0);
+  return weights > 0.0 ? sum / weights : vec3(0.0);
 }
 
 void main() {

@@ -35,7 +35,7 @@ void weigh(ivec2 pixel) {
     }
   }
   // A pixel that is not all floor counts little: its ray may be one of those that show none.
-  float weight = pow(shown / max(all_px, 1.0), 4.0);
+  float weight = shown > 0.0 ? max(pow(shown / all_px, 8.0), 1e-4) : 0.0;
   for (int i = 0; i < 2; ++i) {
     ivec2 texel = mirror_texel(pixel, i);
     imageStore(mirror, texel, weight * imageLoad(mirror, texel));
