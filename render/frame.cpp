@@ -274,8 +274,7 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   exposure_ev_ = exposure_ev;
 }
 
-// before_views: only those that come before the mirrored camera's picture. Else, after it, the others; without such a
-// picture all but that of its light.
+// before_views: those before the mirrored camera's picture; else the others, without one all but that of its light.
 void Frame::record_passes(VkCommandBuffer commands, bool before_views) {
   // The first pass that adds to what surfaces have left.
   const std::string_view beams_first = has_fine_ ? kRecordsPass.name : kBeamsPass.name;

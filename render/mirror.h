@@ -1,9 +1,10 @@
 // The picture of the mirrored camera, for floors that mirror.
 //
 // The camera and its axes are mirrored in the plane of the floors. Each ray of its picture then is what one flat mirror
-// makes of the ray of the same pixel of the camera's own picture, and goes on where that one meets the floor. The passes
-// of a view draw that picture with the tables of the frame, where rays begin on the floor (lib/mirror.glsl), at a
-// fraction of the size, and mirrordown.comp makes a pyramid of it, with weights for what the camera's own picture shows. Error and cost: docs/decisions/0147.
+// makes of the ray of the same pixel of the camera's own picture, and goes on where that one meets the floor. The
+// passes of a view draw that picture with the tables of the frame, where rays begin on the floor (lib/mirror.glsl), at
+// a fraction of the size. mirrordown.comp makes a pyramid of it, with weights for what the camera's own picture shows.
+// Error and cost: docs/decisions/0147.
 //
 // The passes of a rig (PassEntry::before_views) are recorded once, before; the rows of beams, which are relative to the
 // camera, are brought to the camera afterwards (eyes.comp).

@@ -51,8 +51,8 @@ struct PassEntry {
   const char* loss;                                  // what the picture loses without it, for the report
   // Bindings that it writes as attachments, so that its shaders do not declare them; null: none.
   std::vector<std::uint32_t> (*attachments)() = nullptr;
-  // Recorded once, before the picture of a mirrored camera (render/mirror.h): it is the same for all cameras, or eyes.comp
-  // brings what it wrote to another one.
+  // Recorded once, before the picture of a mirrored camera (render/mirror.h): it is the same for all cameras, or
+  // eyes.comp brings what it wrote to another one.
   bool before_views = false;
 };
 

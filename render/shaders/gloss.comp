@@ -1,8 +1,9 @@
 #version 460
 // Floors that mirror: replaces a share of a floor's own light by what its facets mirror. The picture of the mirrored
 // camera has the light of each ray that one flat mirror throws back; facets with a slope see it beside that, by so much
-// as what they see is away from the floor. Along the plane of incidence, where facets turn the light most, the mean over
-// slopes is a sum over places; across it the levels of the pyramid are as blurred as the slopes (docs/decisions/0147).
+// as what they see is away from the floor. Along the plane of incidence, where facets turn the light most, the mean
+// over slopes is a sum over places; across it the levels of the pyramid are as blurred as the slopes
+// (docs/decisions/0147).
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/mirror_levels.glsl"

@@ -122,7 +122,11 @@ TEST_CASE("pictures of a floor that mirrors have light" *
   if (!vulkan) return;
   Scene scene = demo_scene(1, false);
   const std::vector<std::uint8_t> levels = scene.levels;
-  scene.rig.boxes[0].gloss = {0.05, 0.1};
+  const auto number = [](const char* name, double usual) {
+    const char* text = std::getenv(name);
+    return text != nullptr ? std::atof(text) : usual;
+  };
+  scene.rig.boxes[0].gloss = {number("FOOTLIGHT_GLOSS", 0.05), number("FOOTLIGHT_ROUGHNESS", 0.1)};
   scene.compile();
   scene.levels = levels;
   FrameSettings settings;
@@ -184,6 +188,21 @@ TEST_CASE("a camera in or below the plane of a floor sees nothing mirrored, and 
   CHECK(all_finite(one));
   CHECK(sum_of(one) > 0);
   CHECK(all_finite(drawn(vulkan.device(), scene, 8, 33, 3)));
+}
+
+TEST_CASE("a frame with other settings of its mirror draws what a new one draws") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = lamps_over_floor({0.5, 0.1});
+  FrameSettings settings = judged_settings(40, 24);
+  auto frame = make_frame(vulkan.device(), scene, settings);
+  for (const std::uint32_t gloss_px : {0u, 1u, 3u}) {
+    settings.gloss_px = gloss_px;
+    must(frame->change(settings));
+    CHECK(largest_difference(draw(*frame, scene), draw_new(vulkan.device(), scene, settings)) == 0);
+  }
+  settings.gloss_px = 9;
+  CHECK_FALSE(frame->change(settings));
 }
 
 TEST_CASE("a rig without gloss has no pass, no constant and no memory for it") {
