@@ -10,6 +10,7 @@
 #include "render/glare.h"
 #include "render/haze.h"
 #include "render/passes/beams.h"
+#include "render/passes/gloss.h"
 #include "render/passes/gobos.h"
 #include "render/passes/haze.h"
 #include "render/passes/records.h"
@@ -20,8 +21,8 @@
 namespace footlight::render {
 namespace {
 
-// Time stamps of a frame: its beginning, the levels, and the end of each pass.
-std::uint32_t marks_max(const PassList& passes) { return static_cast<std::uint32_t>(passes.size()) + 2; }
+// Time stamps of a frame: its beginning, the levels, the mirrored camera's picture, and the end of each pass.
+std::uint32_t marks_max(const PassList& passes) { return static_cast<std::uint32_t>(passes.size()) + 3; }
 
 constexpr double kNearM = 0.05;
 constexpr double kAdaptNs = 1e9;  // time constant of the automatic exposure
@@ -67,6 +68,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   }
   frame->haze_ = rig.haze;
   frame->ambient_lx_ = rig.ambient_lx;
+  frame->mirror_plane_ = MirrorPlane(rig);
   frame->machines_ = fixtures::MachineAir::make(rig, compiled);
   frame->range_m_ = light_range_m(rig, frame->resources_.rig.objects);
   const HazeReach reach = haze_reach(rig, frame->range_m_);
@@ -114,6 +116,9 @@ Status Frame::check_settings(const FrameSettings& settings) const {
   if (!(settings.small_body_px <= FL_SMALL_BODY_PX)) {
     return fail(ErrorCode::kBadInput, "small bodies up to {} pixels: expected 0 to {}", settings.small_body_px,
                 FL_SMALL_BODY_PX);
+  }
+  if (settings.gloss_px > 8) {
+    return fail(ErrorCode::kBadInput, "{} pixels a side of one of a mirror: expected 0 to 8", settings.gloss_px);
   }
   if (settings.supersample < 1 || settings.width % settings.supersample != 0 ||
       settings.height % settings.supersample != 0) {
@@ -175,9 +180,12 @@ Status Frame::change(const FrameSettings& requested) {
       has_small_bodies(needs, settings) == has_small_bodies(needs, settings_) &&
       has_smooth_edges(needs, settings) == has_smooth_edges(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_glare(needs, settings) == has_glare(drawn_needs(needs_, haze_, settings_), settings_) &&
+      has_gloss(needs, settings) == has_gloss(needs, settings_) && settings.gloss_px == settings_.gloss_px &&
       has_tile_classes(needs, settings) == has_tile_classes(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_shadows_in_air(needs, settings) == has_shadows_in_air(drawn_needs(needs_, haze_, settings_), settings_);
   passes_.clear();
+  before_views_.clear();
+  mirror_.reset();
   plan_.clear();
   timed_.clear();
   settings_ = settings;
@@ -194,9 +202,13 @@ Status Frame::change(const FrameSettings& requested) {
     if (!entry->needed(needs, settings)) continue;
     FL_ASSIGN(auto pass, entry->create({device_, resources_, settings_, entry->constants(needs, settings)}));
     passes.push_back(std::move(pass));
+    before_views_.push_back(entry->before_views);
   }
   passes_ = std::move(passes);
   plan_ = plan_frame(needs, settings, entries_);
+  if (draws(kGlossPass)) {
+    FL_ASSIGN(mirror_, Mirror::create(device_, resources_, needs, settings, entries_));
+  }
   has_step_ = draws(kStepPass);
   return {};
 }
@@ -206,7 +218,7 @@ bool Frame::draws(const PassEntry& entry) const {
 }
 
 std::uint64_t Frame::bytes() const {
-  std::uint64_t bytes = resources_.total_bytes;
+  std::uint64_t bytes = resources_.total_bytes + (mirror_ ? mirror_->bytes() : 0);
   for (const auto& pass : passes_) bytes += pass->own_bytes();
   return bytes;
 }
@@ -239,26 +251,35 @@ void Frame::hold_newest() {
   pending_bytes_ += held.size();
 }
 
-void Frame::forget_air() {
-  time_ns_ = 0;
-  if (machines_) machines_->forget();
-}
-
-void Frame::settle_machine_air(std::span<const std::uint8_t> levels) {
-  if (machines_) machines_->settle(levels);
-}
-
 void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev) {
   if (times_ != VK_NULL_HANDLE) vkCmdResetQueryPool(commands, times_, 0, marks_max(entries_));
   timed_.clear();
-  upload_params(commands, view, exposure_ev);
+  resources_.rig.display_cells_fresh = false;
+  is_mirrored_ = mirror_ && mirror_plane_.is_seen(view, static_cast<double>(settings_.width) / settings_.height);
+  const View first = is_mirrored_ ? mirrored(view, mirror_plane_.height_m()) : view;
+  upload_params(commands, first, exposure_ev, is_mirrored_ ? mirror_.get() : nullptr);
   mark(commands, "");
   record_levels(commands);
   films_.record(commands, resources_.rig);
+  if (!has_solids_ && !draws(kBeamsPass)) clear_radiance(commands);
+  if (is_mirrored_) {
+    record_passes(commands, true);
+    mirror_->record(commands);
+    upload_params(commands, view, exposure_ev);
+    mirror_->record_eyes(commands, view.position_m - first.position_m);
+    mark(commands, "mirror");
+  }
+  record_passes(commands, false);
+  adapt_ns_ = 0;
+  exposure_ev_ = exposure_ev;
+}
+
+// before_views: those before the mirrored camera's picture; else the others, without one all but that of its light.
+void Frame::record_passes(VkCommandBuffer commands, bool before_views) {
   // The first pass that adds to what surfaces have left.
   const std::string_view beams_first = has_fine_ ? kRecordsPass.name : kBeamsPass.name;
-  if (!has_solids_ && !draws(kBeamsPass)) clear_radiance(commands);
   for (std::size_t i = 0; i < passes_.size(); ++i) {
+    if (is_mirrored_ ? before_views_[i] != before_views : plan_[i].name == kGlossPass.name) continue;
     if (plan_[i].name == kStepPass.name) {
       record_steps(commands, true);
     } else if (plan_[i].name == kTonemapPass.name) {
@@ -266,12 +287,11 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
       passes_[i]->record(commands, std::as_bytes(std::span(&kept, 1)));
     } else {
       if (plan_[i].name == beams_first && !has_solids_) clear_radiance(commands);
+      if (plan_[i].name == kGlossPass.name) mirror_->record_levels(commands);
       passes_[i]->record(commands, {});
     }
     mark(commands, plan_[i].name);
   }
-  adapt_ns_ = 0;
-  exposure_ev_ = exposure_ev;
 }
 
 // Without solid things nothing else writes a pixel when no beam is lit. Alpha: no surface ends a ray.
@@ -336,8 +356,10 @@ void Frame::record_steps(VkCommandBuffer commands, bool timed) {
   pending_bytes_ = 0;
 }
 
-void Frame::upload_params(VkCommandBuffer commands, const View& view, double exposure_ev) {
+void Frame::upload_params(VkCommandBuffer commands, const View& view, double exposure_ev, const Mirror* mirror) {
   const double aspect = static_cast<double>(settings_.width) / settings_.height;
+  const FrameSettings& settings = mirror != nullptr ? mirror->settings() : settings_;
+  const PictureImages& picture = mirror != nullptr ? mirror->picture() : resources_.picture;
   FrameParams params{};
   params.right = vec4(view.right * (view.tan_half_fov * aspect), kNearM);
   params.up = vec4(view.up * view.tan_half_fov, range_m_);
@@ -345,27 +367,28 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
       settings_.haze ? haze_.scattering_per_m + (machines_ ? machines_->scattering_per_m() : 0) : 0;
   params.forward = vec4(view.forward, scattering_per_m);
   params.position = vec4(view.position_m, scattering_per_m + haze_.absorption_per_m);
-  params.width = static_cast<std::uint32_t>(settings_.width);
-  params.height = static_cast<std::uint32_t>(settings_.height);
+  params.width = static_cast<std::uint32_t>(settings.width);
+  params.height = static_cast<std::uint32_t>(settings.height);
   params.head_count = resources_.rig.head_count;
   params.box_count = resources_.rig.box_count;
-  params.supertiles_x = resources_.picture.supertiles_x;
+  params.supertiles_x = picture.supertiles_x;
   params.mask_words = resources_.rig.mask_words;
   params.anisotropy = static_cast<float>(haze_.anisotropy);
   params.ambient_lx = static_cast<float>(ambient_lx_);
   params.exposure = static_cast<float>(exposure_factor(exposure_ev));
   params.dark_lm = static_cast<float>(settings_.dark_lm);
-  const double pixel = 2 * view.tan_half_fov / settings_.height;  // at a depth of 1
+  const double pixel = 2 * view.tan_half_fov / settings.height;  // at a depth of 1
   params.thin = settings_.widen_thin ? static_cast<float>(FL_THIN_RADIUS_PX * pixel) : 0.0f;
-  params.supersample = static_cast<std::uint32_t>(settings_.supersample);
+  params.supersample = static_cast<std::uint32_t>(settings.supersample);
   params.tile_error = static_cast<float>(settings_.tile_error);
-  params.tile_beams = settings_.tile_beams;
-  params.rims_max = resources_.picture.rims_max;
-  params.cuts_max = resources_.picture.cuts_max;
+  params.tile_beams = settings.tile_beams;
+  params.rims_max = picture.rims_max;
+  params.cuts_max = picture.cuts_max;
   params.work_lx = static_cast<float>(work_light_lx_);
   params.body_error_px = static_cast<float>(settings_.body_error_px);
-  params.small_body_px = has_small_bodies(needs_, settings_) ? static_cast<float>(settings_.small_body_px) : 0.0f;
+  params.small_body_px = has_small_bodies(needs_, settings) ? static_cast<float>(settings.small_body_px) : 0.0f;
   params.object_level = resources_.rig.object_draw_count > 0 ? resources_.rig.draw_count : FL_NONE;
+  if (mirror != nullptr) params.mirror_m = static_cast<float>(mirror_plane_.height_m() - view.position_m.z);
   vk::full_barrier(commands);  // the frame before may still be reading
   vkCmdUpdateBuffer(commands, resources_.rig.params.handle, 0, sizeof(params), &params);
   if (draws(kHazePass)) {

@@ -21,6 +21,7 @@
 #include "render/display_films.h"
 #include "render/frame_state.h"
 #include "render/image.h"
+#include "render/mirror.h"
 #include "render/pass.h"
 #include "render/plan.h"
 #include "render/resources.h"
@@ -174,7 +175,9 @@ class Frame {
   void upload_newest(VkCommandBuffer commands);
   void record_steps(VkCommandBuffer commands, bool timed);
   void record_levels(VkCommandBuffer commands);
-  void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev);
+  // mirror: `view` is that of its camera; null: of the frame's own.
+  void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev, const Mirror* mirror = nullptr);
+  void record_passes(VkCommandBuffer commands, bool before_views);
   void mark(VkCommandBuffer commands, std::string_view ended);
   template <class Row>
   [[nodiscard]] Result<std::vector<Row>> read_rows(const vk::Buffer& buffer, std::uint32_t count);
@@ -188,11 +191,16 @@ class Frame {
   fixtures::Needs needs_;  // of the rig, whatever the settings
   fixtures::Haze haze_;    // the room's own
   double ambient_lx_ = 0;
-  Resources resources_;
+  RigTables tables_;
+  Resources resources_{.rig = tables_};
+  MirrorPlane mirror_plane_;
+  std::unique_ptr<Mirror> mirror_;  // null: nothing mirrors
   DisplayFilms films_;
   PassList entries_;  // those that the rig and the settings need are in passes_
   std::vector<PassPlan> plan_;
   std::vector<std::unique_ptr<Pass>> passes_;  // one a plan entry
+  std::vector<bool> before_views_;             // PassEntry::before_views, likewise
+  bool is_mirrored_ = false;                   // by record(): a floor that mirrors is in the picture
   std::vector<PendingStep> pending_;           // empty without a step pass
   std::size_t pending_count_ = 0;
   std::size_t pending_bytes_ = 0;

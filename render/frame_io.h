@@ -13,10 +13,11 @@ using uint = std::uint32_t;
 using vec4 = glm::vec4;
 #include "render/shaders/shared/frame_io.h"
 
-static_assert(sizeof(FrameParams) == 144);
+static_assert(sizeof(FrameParams) == 160);
 static_assert(offsetof(FrameParams, width) == 64);
 static_assert(sizeof(BeamRow) == 160);
 static_assert(sizeof(LaserRow) == 160);
+static_assert(sizeof(GlossRow) == 48);
 static_assert(sizeof(PaneRow) == 144);
 static_assert(sizeof(DisplayRow) == 144);
 static_assert(sizeof(DisplayLevelRow) == 16 && sizeof(DisplayJobRow) == 16);

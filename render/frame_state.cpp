@@ -50,6 +50,15 @@ void copy(VkCommandBuffer commands, const RigTables& rig, const std::vector<cons
 
 }  // namespace
 
+void Frame::forget_air() {
+  time_ns_ = 0;
+  if (machines_) machines_->forget();
+}
+
+void Frame::settle_machine_air(std::span<const std::uint8_t> levels) {
+  if (machines_) machines_->settle(levels);
+}
+
 // The buffers that the steps write, and the newest levels, which displays show.
 std::vector<const vk::Buffer*> Frame::state_buffers() const {
   std::vector<const vk::Buffer*> states;

@@ -69,6 +69,7 @@ ErrorWindow::Estimate ErrorWindow::estimate() const {
 
 Result<std::unique_ptr<LiveError>> LiveError::create(vk::Device& device, Frame& frame, const fixtures::Needs& needs) {
   const FrameSettings& settings = frame.settings();
+  if (has_gloss(needs, settings)) return std::unique_ptr<LiveError>();
   std::vector<vk::SpecConstant> constants = kSurfacesPass.constants(needs, settings);
   constants.push_back({FL_SPEC_GOBO_TAPS, 1024});
   constants.push_back({FL_SPEC_EDGES, has_smooth_edges(needs, settings)});

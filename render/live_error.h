@@ -65,7 +65,8 @@ class ErrorWindow {
 
 class LiveError {
  public:
-  // needs: of the rig. Null where there is nothing to measure: no beams and no surfaces.
+  // needs: of the rig. Null where there is nothing to measure: no beams and no surfaces; and where floors mirror, which
+  // the general path does not.
   [[nodiscard]] static Result<std::unique_ptr<LiveError>> create(vk::Device& device, Frame& frame,
                                                                  const fixtures::Needs& needs);
   ~LiveError();

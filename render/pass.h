@@ -51,6 +51,9 @@ struct PassEntry {
   const char* loss;                                  // what the picture loses without it, for the report
   // Bindings that it writes as attachments, so that its shaders do not declare them; null: none.
   std::vector<std::uint32_t> (*attachments)() = nullptr;
+  // Recorded once, before the picture of a mirrored camera (render/mirror.h): it is the same for all cameras, or
+  // eyes.comp brings what it wrote to another one.
+  bool before_views = false;
 };
 
 // Whether triangles are drawn: bodies of fixtures, objects of the scene.
@@ -141,6 +144,10 @@ struct PassEntry {
 // Whether small lenses are splats. Beams that are not widened are drawn as the judge sees them, and so are lenses.
 [[nodiscard]] inline bool has_small_lenses(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.fixtures && settings.bodies && settings.widen_thin && settings.view == FrameView::kPicture;
+}
+// Whether floors mirror.
+[[nodiscard]] inline bool has_gloss(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.gloss && settings.gloss_px > 0 && settings.view == FrameView::kPicture && has_solids(needs, settings);
 }
 // Whether the camera's lens scatters light.
 [[nodiscard]] inline bool has_glare(const fixtures::Needs& needs, const FrameSettings& settings) {

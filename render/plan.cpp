@@ -10,6 +10,7 @@
 #include "render/passes/fine.h"
 #include "render/passes/gather.h"
 #include "render/passes/glare.h"
+#include "render/passes/gloss.h"
 #include "render/passes/gobos.h"
 #include "render/passes/haze.h"
 #include "render/passes/lasers.h"
@@ -39,6 +40,7 @@ const PassEntry* const kPasses[] = {
     &kTilesPass,     // beams -> which supertile they touch
     &kBouncePass,    // beams x boxes and scenery -> light that these reflect
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
+    &kGlossPass,     // picture of the mirrored camera -> radiance of floors that mirror
     &kDepthsPass,    // radiance's distances -> planes of tiles
     &kShadowtilesPass,  // beams x their shadows -> which of these reach each supertile
     &kHazePass,      // haze that is not even -> what rays pass through

@@ -14,6 +14,7 @@
 #include "render/gobo_tables.h"
 #include "render/gobo_textures.h"
 #include "render/haze.h"
+#include "render/mirror.h"
 #include "render/pane_tables.h"
 #include "render/pass.h"
 #include "render/shadow_tables.h"
@@ -109,6 +110,7 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_BOUNCE_FORMS, &R::bounce_forms},
     {FL_BINDING_BOUNCE_FLUX, &R::bounce_flux},
     {FL_BINDING_BOUNCE_LIGHT, &R::bounce_light},
+    {FL_BINDING_GLOSS, &R::gloss},
     {FL_BINDING_HAZE, &R::haze},
     {FL_BINDING_PANES, &R::panes},
     {FL_BINDING_PANE_TEXELS, &R::pane_texels},
@@ -403,7 +405,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
     case FL_BINDING_SHADE_WORDS:
       return shade_word_bytes(settings, mask_words_of(shape.compiled),
-                             has_tile_classes(shape.needs, settings) && has_shadows(shape.needs, settings));
+                              has_tile_classes(shape.needs, settings) && has_shadows(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
     case FL_BINDING_RIMS:
     case FL_BINDING_CUTS: {
@@ -416,6 +418,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_HEAD_SLOTS: return has_bodies(shape.needs, settings) ? shape.compiled.heads.size() * 4 : 0;
     case FL_BINDING_EDGES: return (has_smooth_edges(shape.needs, settings) ? pixels : 1) * 16;
     case FL_BINDING_EDGE_MASKS: return edge_mask_bytes(shape.needs, settings);
+    case FL_BINDING_GLOSS: return gloss_rows(shape.rig).size() * sizeof(GlossRow);
+    case FL_BINDING_MIRROR: return mirror_bytes(shape);
     case FL_BINDING_GLARE: return has_glare(shape.needs, settings) ? glare_shape(settings).bytes() : 0;
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
     case FL_BINDING_DEPTH: return solid_pixels * 4;
@@ -470,6 +474,11 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
     FL_TRY(device.run_once([&](VkCommandBuffer commands) {
       vk::change_layout(commands, r.haze_table, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     }));
+  }
+  if (used[FL_BINDING_GLOSS]) {
+    const std::vector<GlossRow> rows = gloss_rows(shape.rig);
+    r.gloss_count = static_cast<std::uint32_t>(rows.size());
+    FL_ASSIGN(r.gloss, vk::Buffer::table(device, rows));
   }
   if (used[FL_BINDING_BOXES]) {
     std::vector<BoxRow> boxes;
@@ -551,8 +560,7 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   // With less room no list may be read, which is slow; nothing is lost.
   const std::uint64_t pick_bytes =
       shadow_pick_bytes(settings, mask_words, shadows && shadow_map_px(needs, settings) == 0);
-  FL_ASSIGN(p.shadow_picks,
-            zeroed(device, std::min<std::uint64_t>(pick_bytes, device.limits().maxStorageBufferRange)));
+  FL_ASSIGN(p.shadow_picks, zeroed(device, std::min<std::uint64_t>(pick_bytes, device.limits().maxStorageBufferRange)));
   FL_ASSIGN(p.shade_words, zeroed(device, shade_bytes));
   FL_ASSIGN(p.fine_masks, zeroed(device, fine_bytes));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
@@ -574,6 +582,9 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
                                        VK_IMAGE_USAGE_STORAGE_BIT));
   if (has_glare(needs, settings)) {
     FL_ASSIGN(p.glare, make_glare_image(device, glare_shape(settings)));
+  }
+  if (has_gloss(needs, settings)) {
+    FL_ASSIGN(p.mirror, make_mirror_image(device, mirror_shape(settings)));
   }
   constexpr VkImageUsageFlags kPicture =
       VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
@@ -603,6 +614,7 @@ void Resources::bind_all() {
   for (const TableEntry& entry : kTables) bind(entry.binding, rig.*entry.buffer);
   for (std::uint32_t lamp = 1; lamp <= FL_LAMP_COUNT; ++lamp) bind(FL_BINDING_LAMP(lamp), rig.lamp_states[lamp]);
   for (const auto& [binding, buffer] : kOtherBuffers) bind(binding, rig.*buffer);
+  std::uint64_t rig_bytes = total_bytes;
   bind(FL_BINDING_MASKS, picture.masks);
   bind(FL_BINDING_LASER_MASKS, picture.laser_masks);
   bind(FL_BINDING_TILE_DEPTHS, picture.tile_depths);
@@ -636,22 +648,26 @@ void Resources::bind_all() {
   bindings.set_image(FL_BINDING_EDGES, picture.edges);
   bindings.set_image(FL_BINDING_RADIANCE, picture.radiance);
   if (picture.glare.handle != VK_NULL_HANDLE) bindings.set_image(FL_BINDING_GLARE, picture.glare);
+  if (picture.mirror.handle != VK_NULL_HANDLE) bindings.set_image(FL_BINDING_MIRROR, picture.mirror);
   bindings.set_image(FL_BINDING_SCREEN, picture.screen);
   for (const vk::Image* image :
        {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &rig.haze_table, &picture.surface_id,
-        &picture.depth, &picture.edges, &picture.glare, &picture.radiance, &picture.screen}) {
+        &picture.depth, &picture.edges, &picture.glare, &picture.mirror, &picture.radiance, &picture.screen}) {
     total_bytes += image->size_bytes;
   }
+  for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &rig.haze_table}) {
+    rig_bytes += image->size_bytes;
+  }
+  picture_bytes = total_bytes - rig_bytes;
 }
 
 std::uint64_t Resources::body_bytes() const {
   if (!rig.has_bodies) return 0;
   std::uint64_t bytes = picture.surface_id.size_bytes + picture.depth.size_bytes;
-  for (const vk::Buffer* buffer :
-       {&rig.slots, &rig.meshes, &rig.body_boxes, &rig.trees, &rig.head_slots, &rig.body_levels, &rig.vertices,
-        &rig.indices, &rig.draws, &rig.choices, &rig.drawn, &picture.small_depths, &picture.small_keys}) {
-    bytes += buffer->size_bytes;
-  }
+  const vk::Buffer* const buffers[] = {
+      &rig.slots,   &rig.meshes, &rig.body_boxes, &rig.trees, &rig.head_slots,       &rig.body_levels,   &rig.vertices,
+      &rig.indices, &rig.draws,  &rig.choices,    &rig.drawn, &picture.small_depths, &picture.small_keys};
+  for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
   return bytes;
 }
 

@@ -75,6 +75,7 @@ struct RigTables {
   vk::Buffer pane_masks;          // bits of the occluders that reach into each shaft
   vk::Buffer displays, display_levels, display_jobs;  // DisplayRow, DisplayLevelRow, DisplayJobRow
   vk::Buffer display_cells;                           // words of the cells of displays, on all levels
+  vk::Buffer gloss;          // GlossRow
   vk::Buffer shadow_lists;   // ShadowListRow, one a beam
   vk::Buffer shadows;        // ShadowRow
   vk::Buffer shadow_maps;    // lib/shadow_map.glsl
@@ -111,10 +112,12 @@ struct RigTables {
   std::uint32_t laser_count = 0;
   std::uint32_t laser_rows = 0;
   std::uint32_t pane_count = 0;
+  std::uint32_t gloss_count = 0;
   std::uint32_t occluder_words = 0;  // of a pane's bits
   DisplayJobs display_still;         // of images: once
   DisplayJobs display_live;          // of pixel maps: each frame
   DisplayJobs display_film;          // of films: with new pixels (render/display_films.h)
+  bool display_cells_fresh = false;  // those of this frame are computed
   bool display_films_new = false;    // there are some that the pass of displays has not seen
   std::uint32_t beams_max = 0;
   GoboQueue gobo_queue_empty{};  // as a frame begins
@@ -162,6 +165,7 @@ struct PictureImages {
   vk::Buffer edge_masks;                // FL_EDGE_WORDS a tile; likewise
   vk::Image edges;                      // colours of pixels with edges; likewise
   vk::Image glare;                      // GlareShape (render/glare.h); none without glare
+  vk::Image mirror;                     // MirrorShape (render/mirror.h); none where nothing mirrors
   vk::Image surface_id, depth, radiance, screen;
   std::uint32_t supertiles_x = 0;
   std::uint32_t supertiles_y = 0;
@@ -170,10 +174,11 @@ struct PictureImages {
 };
 
 struct Resources {
-  RigTables rig;
+  RigTables& rig;  // those of several pictures of a frame are the same
   PictureImages picture;
   vk::BindingTable bindings;
   std::uint64_t total_bytes = 0;  // GPU memory, for the report
+  std::uint64_t picture_bytes = 0;  // of them those of `picture`
 
   // Enters what both owners have into `bindings` and counts the bytes.
   void bind_all();

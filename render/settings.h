@@ -87,6 +87,9 @@ struct FrameSettings {
   // Boxes and built-in scenery reflect light to each other and to bodies (render/bounce_tables.h). Off here since the
   // judge has no such light; `render` and `preview` turn it on.
   bool bounce = false;
+  // Pixels a side of the radiance, times supersample, that a pixel of the mirrored camera's picture stands for, 1 to 8,
+  // in rigs with floors that mirror (render/mirror.h); 0: all floors are matt.
+  std::uint32_t gloss_px = 2;
   // Share of the light that the camera's lens scatters, 0 to 1 (render/shaders/shared/glare.h); 0: no glare. The light
   // that is read back has none.
   double glare = 0.01;

@@ -35,6 +35,7 @@ const PassEntry kBeamsPass{
           {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
           {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
           {FL_SPEC_HAZE, needs.haze_field},
+          {FL_SPEC_GLOSS, has_gloss(needs, settings)},
           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)},
           {FL_SPEC_GOBO_METHOD,
            settings.gobo_method == GoboMethod::kSuited ? FL_GOBO_TABLES : static_cast<uint>(settings.gobo_method)}};

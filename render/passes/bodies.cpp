@@ -8,6 +8,7 @@
 #include "render/passes/compute_pass.h"
 #include "shaders/body.vert.h"
 #include "shaders/list.comp.h"
+#include "shaders/mirror.frag.h"
 #include "shaders/object.vert.h"
 #include "shaders/place.comp.h"
 #include "shaders/resolve.comp.h"
@@ -122,20 +123,23 @@ Result<BoundPipeline> raster_part(const PassContext& context, const vk::Pipeline
 }  // namespace
 
 const PassEntry kBodiesPass{
-    "bodies",
-    [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_bodies(needs, settings); },
-    [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
+    "bodies", [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_bodies(needs, settings); },
+    // The constant selects a shader.
+    [](const fixtures::Needs& needs, const FrameSettings& settings) {
+      return std::vector<vk::SpecConstant>{{FL_SPEC_GLOSS, has_gloss(needs, settings)}};
+    },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       using fixtures::BodyVertex;
       const Resources& r = context.resources;
-      vk::Pipeline::Raster raster{kBodyVert,
-                                  kSurfaceFrag,
-                                  r.picture.surface_id.format,
-                                  r.picture.depth.format,
-                                  sizeof(BodyVertex),
-                                  {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
-                                   {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
-                                   {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}};
+      vk::Pipeline::Raster raster{
+          kBodyVert,
+          has_constant(context, FL_SPEC_GLOSS) ? vk::Spirv(kMirrorFrag) : vk::Spirv(kSurfaceFrag),
+          r.picture.surface_id.format,
+          r.picture.depth.format,
+          sizeof(BodyVertex),
+          {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
+           {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
+           {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}};
       BodiesPass::Parts parts;
       if (r.rig.slot_count > 0) {
         FL_ASSIGN(parts.place, BoundPipeline::compute(context, kPlaceComp, {}));
@@ -159,7 +163,9 @@ const PassEntry kBodiesPass{
                                                  {kSmallComp},
                                                  {kResolveComp},
                                                  {kBodyVert, kSurfaceFrag},
-                                                 {kObjectVert, kSurfaceFrag}};
+                                                 {kObjectVert, kSurfaceFrag},
+                                                 {kBodyVert, kMirrorFrag},
+                                                 {kObjectVert, kMirrorFrag}};
     },
     "bodies of fixtures and objects of the scene",
     [] {

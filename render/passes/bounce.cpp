@@ -101,6 +101,8 @@ const PassEntry kBouncePass{
     [] {
       return std::vector<std::vector<vk::Spirv>>{{kBounceformsComp}, {kBounceraysComp}, {kBouncelightComp}};
     },
-    "light that boxes and scenery reflect to others"};
+    "light that boxes and scenery reflect to others",
+    nullptr,
+    true};
 
 }  // namespace footlight::render

@@ -21,10 +21,12 @@ class DisplaysPass final : public Pass {
         light_(std::move(light)) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
-    record_jobs(commands, still_);
-    still_.clear();  // images stay
-    if (std::exchange(rig_.display_films_new, false)) record_jobs(commands, rig_.display_film);
-    record_jobs(commands, rig_.display_live);
+    if (!std::exchange(rig_.display_cells_fresh, true)) {
+      record_jobs(commands, still_);
+      still_.clear();  // images stay
+      if (std::exchange(rig_.display_films_new, false)) record_jobs(commands, rig_.display_film);
+      record_jobs(commands, rig_.display_live);
+    }
     light_.bind(commands);
     vkCmdDispatch(commands, tiles_x_, tiles_y_, 1);
   }
@@ -59,6 +61,7 @@ const PassEntry kDisplaysPass{
           {FL_SPEC_AIR, has_displays_in_air(needs, settings)},
           // Frames that are compared with the judge, which takes rays and no pixels, have whole images.
           {FL_SPEC_DETAIL, settings.widen_thin},
+          {FL_SPEC_GLOSS, has_gloss(needs, settings)},
           {FL_SPEC_HAZE, has_displays_in_air(needs, settings) && has_haze_field(needs, settings)},
           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
     },

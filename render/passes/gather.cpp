@@ -21,6 +21,8 @@ const PassEntry kGatherPass{
                                });
     },
     [] { return std::vector<std::vector<vk::Spirv>>{{kGatherComp}}; },
-    "beams of any kind"};
+    "beams of any kind",
+    nullptr,
+    true};
 
 }  // namespace footlight::render

@@ -80,6 +80,8 @@ const PassEntry kGobosPass{
       return std::vector<std::vector<vk::Spirv>>{
           {kGatesComp}, {kGobosComp}, {kGateimagesComp}, {kGobochordsComp}, {kGobolinesComp}};
     },
-    "tables of gobos in the air, which are sampled instead"};
+    "tables of gobos in the air, which are sampled instead",
+    nullptr,
+    true};
 
 }  // namespace footlight::render

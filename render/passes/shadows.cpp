@@ -87,6 +87,8 @@ const PassEntry kShadowsPass{
       return std::vector<std::vector<vk::Spirv>>{
           {kOccludersComp}, {kShadowsComp}, {kPlacesComp}, {kPruneComp}, {kMapshadowsComp}};
     },
-    "shadows of boxes and fixtures"};
+    "shadows of boxes and fixtures",
+    nullptr,
+    true};
 
 }  // namespace footlight::render

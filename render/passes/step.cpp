@@ -45,7 +45,9 @@ const PassEntry kStepPass{
                                });
     },
     [] { return std::vector<std::vector<vk::Spirv>>{{kStepComp}}; },
-    "fixtures"};
+    "fixtures",
+    nullptr,
+    true};
 
 #undef FL_LAMP_CONSTANT
 

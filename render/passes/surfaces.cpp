@@ -26,6 +26,7 @@ const PassEntry kSurfacesPass{
                                            {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
                                            {FL_SPEC_BOUNCE, has_bounce(needs, settings)},
                                            {FL_SPEC_LENSES, has_small_lenses(needs, settings)},
+                                           {FL_SPEC_GLOSS, has_gloss(needs, settings)},
                                            {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
     },
     [](const PassContext& context) {

@@ -17,6 +17,7 @@
 #include "render/haze.h"
 #include "render/reference/cores.h"
 #include "render/reference/display_judge.h"
+#include "render/reference/gloss_judge.h"
 #include "render/reference/shaft_judge.h"
 #include "render/reference/wide.h"
 #include "sim/core/check.h"
@@ -433,7 +434,16 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     }
     lux += judge_sun_lux(scene, point_m, hit->normal);
     lux += judge_display_lux(scene, point_m, hit->normal);
-    total += std::exp(-extinction_per_m(scene.haze) * hit->t_m) / std::numbers::pi * hit->albedo * lux;
+    glm::dvec3 light = hit->albedo * lux / std::numbers::pi;
+    if (const fixtures::GlossTop* gloss = hit->normal.z > 0 ? gloss_at(scene, point_m) : nullptr; gloss != nullptr) {
+      const double share = gloss_share(gloss->gloss, -ray.direction.z);
+      double others = 0;
+      light = (1 - share) * light +
+              share * mirrored_mean(gloss->gloss, ray.direction, scene.gloss_rays, [&](const glm::dvec3& direction) {
+                return radiance(scene, {point_m, direction}, tolerance, refinement, &others);
+              });
+    }
+    total += std::exp(-extinction_per_m(scene.haze) * hit->t_m) * light;
   }
   return total;
 }
@@ -618,6 +628,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
     const glm::dvec3 half = 0.5 * (box.max_m - box.min_m);
     scene.solids.push_back({0.5 * (box.min_m + box.max_m), {{half.x, 0, 0}, {0, half.y, 0}, {0, 0, half.z}}});
   }
+  scene.glosses = fixtures::gloss_tops(rig);
   scene.haze = rig.haze;
   if (!rig.haze.even()) {
     scene.density = [field = haze_field(rig.haze, time_ns)](const glm::dvec3& place_m) {

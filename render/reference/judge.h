@@ -18,6 +18,7 @@
 
 #include <glm/glm.hpp>
 
+#include "fixtures/model/gloss.h"
 #include "fixtures/model/rig.h"
 #include "fixtures/simulate/walker.h"
 #include "render/image.h"
@@ -109,6 +110,8 @@ struct JudgeScene {
   JudgeSun sun;
   std::vector<JudgePane> panes;
   std::vector<JudgeDisplay> displays;
+  std::vector<fixtures::GlossTop> glosses;  // of boxes: tops that mirror (gloss_judge.h)
+  int gloss_rays = 256;                     // that a rough one sends
   fixtures::Haze haze;
   HazeDensity density;          // empty: haze is even
   bool even_extinction = true;  // light is lost as in even haze; false: to the density on its way, 1000 times slower;

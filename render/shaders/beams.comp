@@ -32,6 +32,7 @@
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
 #include "render/shaders/lib/shadow.glsl"
+#include "render/shaders/lib/mirror.glsl"
 
 layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
@@ -124,7 +125,7 @@ void add_beam(uint index, uint base, uint begin, Medium medium, vec3 d[FL_ROWS],
     haze_begin(vec2(tile_pixel(i)) + 0.5);
 #endif
     Chord chord;
-    bool seen = beam_chord(beam, eye, ray, 0.0, t_max_m[i], chord);
+    bool seen = beam_chord(beam, eye, ray, ray_begin(d[i]), t_max_m[i], chord);
     if (kRectangle && row.squeeze > 0.0 && seen) seen = chord_in_rectangle(chord);
     if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u && seen) {
       for (int e = 0; e < 4; ++e) {
@@ -198,6 +199,7 @@ void main() {
     d[i] = normalize(ray_through(vec2(pixel) + 0.5));
     t_max_m[i] = inside ? FL_FAR_M : 0.0;
     if ((kBoxes || kBodies) && inside) t_max_m[i] = imageLoad(radiance, pixel).a;  // the surface pass left it there
+    if (kGloss && ray_begin(d[i]) >= FL_FAR_M) t_max_m[i] = 0.0;
     total[i] = vec3(0.0);
   }
   RectDepth depth;

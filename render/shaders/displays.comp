@@ -168,6 +168,7 @@ void main() {
     PixelRay of_pixel = pixel_ray(pixel);
     for (uint i = 0u; i < uint(displays.length()); ++i) {
       ShownPart part = shown_part(displays[i], of_pixel);
+      if (kGloss && part.t_m < ray_begin(ray)) continue;
       if (part.is_shown && !part.is_thin && !is_hidden(part, surface.t_m)) sum += light_of_part(displays[i], part);
     }
   }

@@ -29,6 +29,7 @@ layout(set = 0, binding = FL_BINDING_BLADES, std430) writeonly buffer BladesBuff
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/tile_test.glsl"
+#include "render/shaders/lib/view_beams.glsl"
 #include "render/shaders/shared/optics.h"
 
 // tan(x) for 0 <= x < pi/2 to 3e-7 of itself. GPUs may have it to 5e-7 of 1 alone, much of the spread of a pencil
@@ -93,15 +94,6 @@ BeamShape open_shape(BeamRow beam, float profile_power, float spread) {
 float flux_factor(BeamShape beam, float iris) {
   if (beam.measured != 0u) return measured_flux_factor(beam.measured, beam.spread / iris) / (iris * iris);
   return beam_flux_factor(beam);
-}
-
-// Whether the beam is drawn wider than it is at some place (lib/thin.glsl). The distance of a place is convex along the
-// axis and the radius is linear, so an end decides. A tenth is for the softest profile.
-bool thin_somewhere(BeamRow beam) {
-  float reach = 1.1 * params.thin * beam_stretch(beam.squeeze);
-  float range_m = beam.axis.w;
-  return reach * length(beam.eye.xyz) > beam.x_axis.w ||
-         reach * length(beam.eye.xyz - vec3(0.0, 0.0, range_m)) > beam.x_axis.w + beam.y_axis.w * range_m;
 }
 
 // Whether tile_node() of shared/tile_node.h has its light.
@@ -290,27 +282,9 @@ void main() {
 
   if (lane == uint(FL_GROUP_HEADS) - 1u && group == gl_NumWorkGroups.x - 1u) {
     uint live = beams_before + rank + beams_of[lane];
-    uint supertiles_y = (params.height + uint(FL_SUPERTILE_PX) - 1u) / uint(FL_SUPERTILE_PX);
     counts.live_count = live;
     counts.dark_count = params.head_count - lit_before - lit_here;
-    counts.tiles_groups[0] = (live + uint(FL_GROUP_MASK) - 1u) / uint(FL_GROUP_MASK);
-    const uint kBlock = uint(FL_BLOCK_SUPERTILES);
-    counts.tiles_groups[1] = (params.supertiles_x + kBlock - 1u) / kBlock * ((supertiles_y + kBlock - 1u) / kBlock);
-    counts.tiles_groups[2] = 1u;
-    bool any = live > 0u;
-    counts.beams_groups[0] = any ? (params.width + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX) : 0u;
-    counts.beams_groups[1] = any ? (params.height + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX) : 0u;
-    counts.beams_groups[2] = 1u;
-    bool tiles = any && live >= params.tile_beams;
-    counts.depths_groups[0] = tiles ? counts.beams_groups[0] : 0u;
-    counts.depths_groups[1] = tiles ? counts.beams_groups[1] : 0u;
-    counts.depths_groups[2] = 1u;
-    counts.fine_groups[0] = tiles ? (params.width + uint(FL_FINE_PX) - 1u) / uint(FL_FINE_PX) : 0u;
-    counts.fine_groups[1] = tiles ? (params.height + uint(FL_FINE_PX) - 1u) / uint(FL_FINE_PX) : 0u;
-    counts.fine_groups[2] = 1u;
-    counts.coarse_groups[0] = tiles ? params.supertiles_x : 0u;
-    counts.coarse_groups[1] = tiles ? supertiles_y : 0u;
-    counts.coarse_groups[2] = 1u;
+    set_view_groups(live);
     counts.shadow_groups[0] = min(live, uint(FL_SHADOWS_X));
     counts.shadow_groups[1] = (live + uint(FL_SHADOWS_X) - 1u) / uint(FL_SHADOWS_X);
     counts.shadow_groups[2] = 1u;

@@ -17,6 +17,7 @@
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/lens.glsl"
 #include "render/shaders/lib/lens_row.glsl"
+#include "render/shaders/lib/mirror.glsl"
 
 layout(local_size_x = FL_GROUP_HEADS) in;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
@@ -47,7 +48,8 @@ void main() {
   float share = splat_share(type, depth_m);
   LensRow row = LensRow(vec4(0.0, 0.0, 0.0, -1.0), vec4(0.0), vec4(0.0));
 
-  if (depth_m > params.right.w && facing > 0.0 && share > 0.0) {
+  bool above = !kGloss || params.mirror_m == 0.0 || place.z > params.mirror_m;
+  if (depth_m > params.right.w && facing > 0.0 && share > 0.0 && above) {
     vec2 at = vec2(dot(place, params.right.xyz) / dot(params.right.xyz, params.right.xyz),
                    dot(place, params.up.xyz) / dot(params.up.xyz, params.up.xyz)) / depth_m;
     vec2 size = vec2(float(params.width), float(params.height));

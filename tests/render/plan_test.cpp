@@ -16,7 +16,7 @@ using fixtures::Needs;
 using vk::SpecConstant;
 
 const std::vector<std::string> kAll{"step",   "gather",   "shadows", "gobos",       "bodies", "tiles",
-                                    "bounce", "surfaces", "depths",  "shadowtiles", "haze",   "coarse",
+                                    "bounce", "surfaces", "gloss",   "depths",  "shadowtiles", "haze",   "coarse",
                                     "records", "fine",    "shade",   "beams",       "lasers", "shafts",
                                     "displays", "edges",  "strips",  "lenses",      "glare",  "tonemap"};
 // Those that take beams together for tiles.
@@ -49,7 +49,7 @@ Needs demo_needs() {
   for (bool Needs::*need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake,
                             &Needs::pulses, &Needs::macro, &Needs::wide, &Needs::iris, &Needs::laser,
-                            &Needs::panes, &Needs::displays}) {
+                            &Needs::panes, &Needs::displays, &Needs::gloss}) {
     CHECK_FALSE(needs.*need);
     needs.*need = true;
   }
@@ -123,7 +123,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_RECTANGLE, 1}}},
                               {"shadows", {{FL_SPEC_RECTANGLE, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_MAP_PX, 0}}},
                               {"gobos", {}},
-                              {"bodies", {}},
+                              {"bodies", {{FL_SPEC_GLOSS, 1}}},
                               {"tiles", {{FL_SPEC_RECTANGLE, 1}}},
                               {"bounce",
                                {{FL_SPEC_GOBO, 1},
@@ -154,7 +154,9 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_MAP_PX, 0},
                                 {FL_SPEC_BOUNCE, 1},
                                 {FL_SPEC_LENSES, 1},
+                                {FL_SPEC_GLOSS, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
+                              {"gloss", {}},
                               {"depths", {}},
                               {"shadowtiles",
                                {{FL_SPEC_RECTANGLE, 1}, {FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_MAP_PX, 0}}},
@@ -183,6 +185,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_SHADOWS, 1},
                                 {FL_SPEC_MAP_PX, 0},
                                 {FL_SPEC_HAZE, 1},
+                                {FL_SPEC_GLOSS, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE},
                                 {FL_SPEC_GOBO_METHOD, FL_GOBO_TABLES}}},
                               {"lasers",
@@ -208,6 +211,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_BODIES, 1},
                                 {FL_SPEC_AIR, 1},
                                 {FL_SPEC_DETAIL, 1},
+                                {FL_SPEC_GLOSS, 1},
                                 {FL_SPEC_HAZE, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                               {"edges", {{FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_EDGE_SAMPLES, 16}}},
@@ -260,6 +264,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"macro", &Needs::macro, {}, {FL_SPEC_MACRO}},
         Case{"laser", &Needs::laser, {"lasers"}, {}},
         Case{"panes", &Needs::panes, {"shafts"}, {}},
+        Case{"gloss", &Needs::gloss, {"gloss"}, {FL_SPEC_GLOSS}},
         Case{"displays", &Needs::displays, {"displays", "strips"}, {}},
         Case{"flex", &Needs::flex, {}, {FL_SPEC_FLEX}},
         Case{"smooth", &Needs::smooth, {}, {FL_SPEC_SMOOTH}},

@@ -9,6 +9,7 @@ layout(set = 0, binding = FL_BINDING_DEPTH) uniform sampler2D depth_image;
 layout(set = 0, binding = FL_BINDING_BOXES, std430) readonly buffer BoxesBuffer { BoxRow boxes[]; };
 layout(set = 0, binding = FL_BINDING_SMALL_DEPTHS, std430) readonly buffer SmallDepthsBuffer { uint small_depths[]; };
 #include "render/shaders/lib/normal.glsl"
+#include "render/shaders/lib/mirror.glsl"
 
 // Where a pixel shows nothing.
 const float kNothingM = FL_FAR_M;
@@ -43,6 +44,7 @@ Surface surface_at(ivec2 pixel, vec3 ray) {
     vec3 inverse = 1.0 / mix(ray, vec3(1e-12), lessThan(abs(ray), vec3(1e-12)));
     vec3 start = params.position.xyz * inverse;
     float nearest_m = hit.t_m;
+    float begin_m = ray_begin(ray) * (1.0 - 1e-5);
     uint nearest = ~0u;
     for (uint b = 0u; b < params.box_count; ++b) {
       vec3 to_low = boxes[b].low.xyz * inverse - start;
@@ -51,7 +53,7 @@ Surface surface_at(ivec2 pixel, vec3 ray) {
       vec3 out_m = max(to_low, to_high);
       float enter_m = max(in_m.x, max(in_m.y, in_m.z));
       float leave_m = min(out_m.x, min(out_m.y, out_m.z));
-      bool closer = enter_m > 0.0 && enter_m <= leave_m && enter_m < nearest_m;
+      bool closer = enter_m > begin_m && enter_m <= leave_m && enter_m < nearest_m;
       nearest_m = closer ? enter_m : nearest_m;
       nearest = closer ? b : nearest;
     }

@@ -123,7 +123,11 @@
 #define FL_BINDING_DISPLAY_JOBS (92 + FL_LAMP_COUNT)
 // Shadow maps (lib/shadow_map.glsl), one a beam: FL_MAP_CELLS x FL_MAP_CELLS words of cells, then the texels.
 #define FL_BINDING_BEAM_MAPS (93 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (94 + FL_LAMP_COUNT)
+// Floors that mirror (gloss.comp): GlossRow, and the pyramid of the mirrored camera's picture (render/mirror.h).
+#define FL_BINDING_GLOSS (94 + FL_LAMP_COUNT)
+#define FL_BINDING_MIRROR (95 + FL_LAMP_COUNT)
+#define FL_BINDING_OWN_RADIANCE (96 + FL_LAMP_COUNT)  // for mirrordown.comp: the picture that is not mirrored
+#define FL_BINDING_COUNT (97 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -177,7 +181,8 @@
 #define FL_SPEC_AIR (46 + FL_LAMP_COUNT)  // light in the air is drawn
 #define FL_SPEC_DETAIL (47 + FL_LAMP_COUNT)  // images of panes and displays as fine as pixels, not whole
 #define FL_SPEC_MAP_PX (48 + FL_LAMP_COUNT)  // texels a side of shadow maps; 0: shadows are cut exactly
-#define FL_SPEC_COUNT (49 + FL_LAMP_COUNT)
+#define FL_SPEC_GLOSS (49 + FL_LAMP_COUNT)  // there are floors that mirror
+#define FL_SPEC_COUNT (50 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -269,7 +274,7 @@
 // On a surface that is seen edge on, at most so many times as wide.
 #define FL_THIN_ON_SURFACE 8.6
 
-// Camera, medium and sizes of one frame; 144 bytes, uploaded each frame.
+// Camera, medium and sizes of one frame; 160 bytes, uploaded each frame.
 struct FrameParams {
   vec4 right;     // xyz: unit right x tan(fov / 2) x width / height; w: near plane, m
   vec4 up;        // xyz: unit up x tan(fov / 2); w: range of light, m
@@ -295,6 +300,10 @@ struct FrameParams {
   uint rims_max;  // rows of the RimRow table that a supertile has
   uint cuts_max;  // of the CutRow table
   uint object_level;  // row of the objects in the table of levels; FL_NONE: there are none
+  float mirror_m;  // of a mirrored camera: the height of the mirror above it, m, where its rays begin; else 0
+  uint pad_1;
+  uint pad_2;
+  uint pad_3;
 };
 
 // One lit beam, 160 bytes: a head's, or one facet's of its prism. Light space is camera-relative: eye = camera in it.
@@ -437,6 +446,14 @@ struct CountsRow {
   uint fine_groups[4];    // of the fine pass: one group FL_FINE_PX x FL_FINE_PX pixels
   uint shadow_groups[4];  // of the passes that find shadows: one group a beam, FL_SHADOWS_X side by side
 };
+
+// A level rectangle that mirrors; 48 bytes.
+struct GlossRow {
+  vec4 center;  // xyz: m; w: share of the light that comes straight down
+  vec4 half_x;  // xyz: to the middle of an edge; w: root mean square slope of the facets
+  vec4 half_y;
+};
+#define FL_MIRROR_LEVELS 8  // of the pyramid, at most
 
 // What a tile of FL_TILE_PX x FL_TILE_PX pixels shows; 32 bytes.
 struct TileDepthRow {
