@@ -24,6 +24,7 @@ layout(set = 0, binding = FL_BINDING_OPTICS_STATES, std430) readonly buffer Opti
 };
 layout(set = 0, binding = FL_BINDING_BLADES, std430) writeonly buffer BladesBuffer { BladesRow blades[]; };
 
+#include "render/shaders/lib/beam_counts.glsl"
 #include "render/shaders/lib/lit.glsl"
 #include "render/shaders/lib/forms.glsl"
 #include "render/shaders/shared/gauss.h"
@@ -95,21 +96,7 @@ float flux_factor(BeamShape beam, float iris) {
   return beam_flux_factor(beam);
 }
 
-// Whether the beam is drawn wider than it is at some place (lib/thin.glsl). The distance of a place is convex along the
-// axis and the radius is linear, so an end decides. A tenth is for the softest profile.
-bool thin_somewhere(BeamRow beam) {
-  float reach = 1.1 * params.thin * beam_stretch(beam.squeeze);
-  float range_m = beam.axis.w;
-  return reach * length(beam.eye.xyz) > beam.x_axis.w ||
-         reach * length(beam.eye.xyz - vec3(0.0, 0.0, range_m)) > beam.x_axis.w + beam.y_axis.w * range_m;
-}
-
-// Whether tile_node() of shared/tile_node.h has its light.
-bool is_plain(BeamRow beam) {
-  bool gobo = (beam.gobo | beam.gobo_2 | beam.animation) != 0u || beam.offset_1 != 0.0 || beam.offset_2 != 0.0;
-  return !gobo && (beam.flags & FL_BEAM_BLADES) == 0u && beam.j0.w == 0.0 && beam.measured == 0u &&
-         beam.squeeze == 0.0 && beam.y_axis.w <= kWideSpread;
-}
+#include "render/shaders/lib/beam_flags.glsl"
 
 shared uint beams_before;
 shared uint lit_before;
@@ -128,23 +115,7 @@ void write_beams(uint index, uint first) {
   bool shaped = kOptics && row.optics != kNoAddress;
 
   BeamRow beam;
-  beam.gobo = 0u;
-  beam.gobo_cos = 1.0;
-  beam.gobo_sin = 0.0;
-  beam.gobo_2 = 0u;
-  beam.gobo_2_cos = 1.0;
-  beam.gobo_2_sin = 0.0;
-  beam.gobo_scale = 1.0;
-  beam.gobo_blur = 0.0;
-  beam.flags = 0u;
-  beam.next_1 = 0u;
-  beam.next_2 = 0u;
-  beam.offset_1 = 0.0;
-  beam.offset_2 = 0.0;
-  beam.focus = -1.0;
-  beam.animation = 0u;
-  beam.animation_cos = 1.0;
-  beam.animation_sin = 0.0;
+  open_beam(beam);
   beam.measured = is_measured ? type.measured : 0u;
   beam.squeeze = kRectangle && type.aspect > 0.0 ? 1.0 / (type.aspect * type.aspect) : 0.0;
   beam.head = index;
@@ -290,29 +261,7 @@ void main() {
 
   if (lane == uint(FL_GROUP_HEADS) - 1u && group == gl_NumWorkGroups.x - 1u) {
     uint live = beams_before + rank + beams_of[lane];
-    uint supertiles_y = (params.height + uint(FL_SUPERTILE_PX) - 1u) / uint(FL_SUPERTILE_PX);
-    counts.live_count = live;
     counts.dark_count = params.head_count - lit_before - lit_here;
-    counts.tiles_groups[0] = (live + uint(FL_GROUP_MASK) - 1u) / uint(FL_GROUP_MASK);
-    const uint kBlock = uint(FL_BLOCK_SUPERTILES);
-    counts.tiles_groups[1] = (params.supertiles_x + kBlock - 1u) / kBlock * ((supertiles_y + kBlock - 1u) / kBlock);
-    counts.tiles_groups[2] = 1u;
-    bool any = live > 0u;
-    counts.beams_groups[0] = any ? (params.width + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX) : 0u;
-    counts.beams_groups[1] = any ? (params.height + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX) : 0u;
-    counts.beams_groups[2] = 1u;
-    bool tiles = any && live >= params.tile_beams;
-    counts.depths_groups[0] = tiles ? counts.beams_groups[0] : 0u;
-    counts.depths_groups[1] = tiles ? counts.beams_groups[1] : 0u;
-    counts.depths_groups[2] = 1u;
-    counts.fine_groups[0] = tiles ? (params.width + uint(FL_FINE_PX) - 1u) / uint(FL_FINE_PX) : 0u;
-    counts.fine_groups[1] = tiles ? (params.height + uint(FL_FINE_PX) - 1u) / uint(FL_FINE_PX) : 0u;
-    counts.fine_groups[2] = 1u;
-    counts.coarse_groups[0] = tiles ? params.supertiles_x : 0u;
-    counts.coarse_groups[1] = tiles ? supertiles_y : 0u;
-    counts.coarse_groups[2] = 1u;
-    counts.shadow_groups[0] = min(live, uint(FL_SHADOWS_X));
-    counts.shadow_groups[1] = (live + uint(FL_SHADOWS_X) - 1u) / uint(FL_SHADOWS_X);
-    counts.shadow_groups[2] = 1u;
+    write_beam_counts(live);
   }
 }
