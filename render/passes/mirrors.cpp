@@ -33,10 +33,10 @@ const PassEntry kMirrorsPass{
     "mirrors",
     [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures && needs.mirrors; },
     [](const fixtures::Needs& needs, const FrameSettings&) {
-      return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},         {FL_SPEC_PROFILE, needs.profile},
-                                           {FL_SPEC_WIDE, needs.wide},         {FL_SPEC_IRIS, needs.iris},
-                                           {FL_SPEC_FOCUS, needs.focus},       {FL_SPEC_BLADES, needs.blades},
-                                           {FL_SPEC_MEASURED, needs.measured}, {FL_SPEC_RECTANGLE, needs.rectangle},
+      return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},          {FL_SPEC_PROFILE, needs.profile},
+                                           {FL_SPEC_WIDE, needs.wide},          {FL_SPEC_IRIS, needs.iris},
+                                           {FL_SPEC_FOCUS, needs.focus},        {FL_SPEC_BLADES, needs.blades},
+                                           {FL_SPEC_MEASURED, needs.measured},  {FL_SPEC_RECTANGLE, needs.rectangle},
                                            {FL_SPEC_ANIMATION, needs.animation}};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {

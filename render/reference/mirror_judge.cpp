@@ -75,8 +75,8 @@ void add_mirror(const JudgeBeam& lamp, const fixtures::MirrorBall& ball, const g
   beam.spread = std::min(outline_spread + blur.scale * source_m / distance_m, 1.0);
   beam.profile_power = blur.profile_power;
   beam.range_m = lamp.range_m;
-  beam.strength_lm = lamp.strength_lm * (share * area_m2 * ball.reflectance /
-                                         judge_flux_factor(beam.spread, beam.profile_power));
+  beam.strength_lm =
+      lamp.strength_lm * (share * area_m2 * ball.reflectance / judge_flux_factor(beam.spread, beam.profile_power));
   scene.beams.push_back(beam);
 }
 

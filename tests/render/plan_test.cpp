@@ -331,8 +331,8 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   FrameSettings settings;
   settings.bodies = false;
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "mirrors", "gobos", "tiles", "haze", "coarse", "records", "fine", "beams",
-                                 "lasers", "shafts", "displays", "strips", "glare", "tonemap"});
+        std::vector<std::string>{"step", "gather", "mirrors", "gobos", "tiles", "haze", "coarse", "records", "fine",
+                                 "beams", "lasers", "shafts", "displays", "strips", "glare", "tonemap"});
   settings.tile_error = 0;
   CHECK(names_of(plan_frame(needs, settings)) ==
         std::vector<std::string>{"step", "gather", "mirrors", "gobos", "tiles", "haze", "beams", "lasers", "shafts",

@@ -191,7 +191,8 @@ class Writer {
   }
 
   static std::string mirrors(const MirrorBall& ball) {
-    return fmt::format("ball {:.4g} m wide with {} mirrors of {:.4g} m", ball.diameter_m, mirror_count(ball), ball.mirror_m);
+    return fmt::format("ball {:.4g} m wide with {} mirrors of {:.4g} m", ball.diameter_m, mirror_count(ball),
+                       ball.mirror_m);
   }
 
   static std::string laser(const Laser& laser) {
