@@ -35,11 +35,9 @@ Scene ball_scene(const std::string& ball = "diameter_m = 0.5, mirror_m = 0.1", d
   Scene scene;
   scene.rig = must(fixtures::parse_rig(
       "[rig]\nname = \"Ball\"\nambient_lx = 0\n[haze]\nreach_m = 60\nscattering_per_m = 0.02\n"
-      "[[fixture]]\nname = \"Pin {}\"\nuniverse = 1\naddress = 1\ncount = 2\ntype = \"" +
-          lamp_type +
-          "\"\n"
-          "position = [3, -1, 4.2]\nposition_step = [-5.5, -1.7, 0.1]\naim = [0, 0, 3]\n"
-          "[[fixture]]\nname = \"Ball\"\ntype = \"generic/mirror-ball\"\nuniverse = 1\naddress = 101\nposition = " +
+      "[[fixture]]\nname = \"Pin {}\"\nuniverse = 1\naddress = 1\ncount = 2\n"
+      "type = \"generic/par\"\nposition = [3, -1, 4.2]\nposition_step = [-5.5, -1.7, 0.1]\naim = [0, 0, 3]\n"
+      "[[fixture]]\nname = \"Ball\"\ntype = \"generic/mirror-ball\"\nuniverse = 1\naddress = 101\nposition = " +
           position + "\nmirror_ball = { " + ball + " }\n" + box("Floor", "[-5, -5, -1]", "[5, 5, 0]") +
           box("Ceiling", "[-5, -5, 5]", "[5, 5, 6]") + box("Left", "[-5, -5, 0]", "[-4, 5, 5]") +
           box("Right", "[4, -5, 0]", "[5, 5, 5]") + box("Front", "[-5, -5, 0]", "[5, -4, 5]") +
