@@ -11,6 +11,7 @@ namespace footlight::render::f32 {
 using namespace ::footlight::f32;
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/mirror.h"
 #include "render/shaders/shared/laser.h"
 #include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/shaft.h"
@@ -27,6 +28,7 @@ namespace footlight::render::f64 {
 using namespace ::footlight::f64;
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/mirror.h"
 #include "render/shaders/shared/laser.h"
 #include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/shaft.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -116,6 +117,16 @@ std::pair<glm::vec3, glm::vec3> corners_of(const std::vector<glm::vec3>& points)
   return {low, high};
 }
 
+// Behind how many joints of its head a mirror ball is, if it turns alone there.
+std::optional<std::uint32_t> ball_of(const fixtures::Rig& rig, const fixtures::TypeSource& source) {
+  if (source.geometry == fixtures::kNoIndex || source.joint_geometries.empty()) return {};
+  const fixtures::FixtureType& type = rig.types[static_cast<std::size_t>(source.type)];
+  const fixtures::Mode& mode = type.modes[static_cast<std::size_t>(source.mode)];
+  const bool ball = mode.geometries[static_cast<std::size_t>(source.geometry)].mirror_ball != fixtures::kNoIndex;
+  if (!ball || source.joint_geometries.back() != source.geometry) return {};
+  return static_cast<std::uint32_t>(source.joint_geometries.size());
+}
+
 // Spheres round the vertices behind each number of joints.
 void add_spheres(const fixtures::BodyMesh& mesh, BodyMeshRow& row) {
   for (std::uint32_t depth = 0; depth < std::size(row.sphere); ++depth) {
@@ -130,8 +141,13 @@ void add_spheres(const fixtures::BodyMesh& mesh, BodyMeshRow& row) {
   }
 }
 
-// Boxes around the same vertices.
-void add_boxes(const fixtures::BodyMesh& mesh, std::vector<BodyBoxRow>& boxes) {
+// A cube in place of a ball, half as wide as this share of the ball's radius, hides as much light: on average over its
+// directions it shows 1.5 of its faces, pi r^2.
+constexpr float kBallCube = 0.7236F;
+
+// Boxes around the same vertices. `ball`: behind how many joints there is a ball.
+void add_boxes(const fixtures::BodyMesh& mesh, const std::optional<std::uint32_t>& ball,
+               std::vector<BodyBoxRow>& boxes) {
   for (std::uint32_t depth = 0; depth < FL_BODY_BOXES; ++depth) {
     const std::vector<glm::vec3> points = points_behind(mesh, depth);
     if (points.empty()) {
@@ -140,7 +156,8 @@ void add_boxes(const fixtures::BodyMesh& mesh, std::vector<BodyBoxRow>& boxes) {
     }
     const auto [low, high] = corners_of(points);
     // Plates get a millimetre: which way a plate faces the light has to be certain.
-    const glm::vec3 half = glm::max(0.5f * (high - low), glm::vec3(5e-4f));
+    const float share = ball == depth ? kBallCube : 1.0F;
+    const glm::vec3 half = glm::max(0.5f * share * (high - low), glm::vec3(5e-4f));
     boxes.push_back({vec4(0.5f * (low + high), 0), vec4(half, 0)});
   }
 }
@@ -188,7 +205,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
     if (body.indices.empty() || heads[t].empty()) continue;
     BodyMeshRow mesh{};
     add_spheres(body, mesh);
-    add_boxes(body, boxes);
+    add_boxes(body, ball_of(rig, compiled.sources[t]), boxes);
     mesh.slot_first = static_cast<std::uint32_t>(slots.size());
     mesh.slot_count = static_cast<std::uint32_t>(heads[t].size());
     mesh.level_first = static_cast<std::uint32_t>(levels.size());

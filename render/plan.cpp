@@ -15,6 +15,7 @@
 #include "render/passes/haze.h"
 #include "render/passes/lasers.h"
 #include "render/passes/lenses.h"
+#include "render/passes/mirrors.h"
 #include "render/passes/records.h"
 #include "render/passes/shade.h"
 #include "render/passes/shadows.h"
@@ -34,6 +35,7 @@ namespace {
 const PassEntry* const kPasses[] = {
     &kStepPass,      // raw levels -> fixture states
     &kGatherPass,    // states -> lit beams, in patch order
+    &kMirrorsPass,   // lit beams x mirrors of balls -> beams that these send
     &kShadowsPass,   // beams x boxes and bodies -> which part of each beam they hide
     &kGobosPass,     // beams -> tables of their gobos that are not built yet
     &kBodiesPass,    // fixture bodies -> visibility buffer

@@ -89,6 +89,11 @@ constexpr TableEntry kTables[] = {
     {FL_BINDING_LASER_STATES, &R::laser_states, nullptr, [](const C& c) { return c.laser_count * kLaserStateBytes; }},
     {FL_BINDING_LASER_SEGMENTS, &R::laser_segments, rows_of<&C::laser_segments>},
     {FL_BINDING_LASERS, &R::lasers, nullptr, [](const C& c) { return c.laser_rows * std::uint64_t{sizeof(LaserRow)}; }},
+    {FL_BINDING_MIRROR_BALLS, &R::mirror_balls, rows_of<&C::mirror_balls>},
+    {FL_BINDING_MIRROR_PAIRS, &R::mirror_pairs, rows_of<&C::mirror_pairs>},
+    {FL_BINDING_MIRROR_NORMALS, &R::mirror_normals, rows_of<&C::mirror_normals>},
+    {FL_BINDING_MIRROR_PICKS, &R::mirror_picks, nullptr,
+     [](const C& c) { return (1 + c.mirror_pairs.size() + c.mirror_rows) * std::uint64_t{4}; }},
     {FL_BINDING_BEAMS, &R::beams, nullptr, [](const C& c) { return c.beams_max * std::uint64_t{sizeof(BeamRow)}; }},
     {FL_BINDING_COUNTS, &R::counts, nullptr, [](const C& c) { return sizeof(CountsRow) + groups_of(c) * 8; },
      VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT},
@@ -444,6 +449,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   r.box_count = static_cast<std::uint32_t>(shape.rig.boxes.size());
   r.laser_count = compiled.laser_count;
   r.laser_rows = compiled.laser_rows;
+  r.mirror_pair_count = static_cast<std::uint32_t>(compiled.mirror_pairs.size());
   r.beams_max = compiled.beams_max;
   r.mask_words = mask_words_of(compiled);
   r.levels_bytes = compiled.universes.size() * kSlotCountMax;

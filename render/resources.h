@@ -71,6 +71,7 @@ struct RigTables {
   vk::Buffer blades;         // BladesRow, one a beam
   vk::Buffer laser_segments;  // LaserSegmentRow
   vk::Buffer lasers;          // LaserRow
+  vk::Buffer mirror_balls, mirror_pairs, mirror_normals, mirror_picks;  // mirrors.comp
   vk::Buffer panes, pane_texels;  // PaneRow; two words of half floats a texel
   vk::Buffer pane_masks;          // bits of the occluders that reach into each shaft
   vk::Buffer displays, display_levels, display_jobs;  // DisplayRow, DisplayLevelRow, DisplayJobRow
@@ -111,6 +112,7 @@ struct RigTables {
   std::uint32_t smooth_count = 0;  // Flexes, then Smooths
   std::uint32_t laser_count = 0;
   std::uint32_t laser_rows = 0;
+  std::uint32_t mirror_pair_count = 0;
   std::uint32_t pane_count = 0;
   std::uint32_t gloss_count = 0;
   std::uint32_t occluder_words = 0;  // of a pane's bits

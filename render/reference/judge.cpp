@@ -18,6 +18,7 @@
 #include "render/reference/cores.h"
 #include "render/reference/display_judge.h"
 #include "render/reference/gloss_judge.h"
+#include "render/reference/mirror_judge.h"
 #include "render/reference/shaft_judge.h"
 #include "render/reference/wide.h"
 #include "sim/core/check.h"
@@ -641,6 +642,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
   add_panes(scene, rig, range_m);
   add_displays(scene, rig, walker.rig.universes, walker.levels);
   scene.gobo = std::move(gobo);
+  std::vector<std::size_t> heads;  // of the beams
   for (std::size_t i = 0; i < walker.states.size(); ++i) {
     const auto& state = walker.states[i];
     const fixtures::HeadRow& row = walker.rig.heads[i];
@@ -705,6 +707,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
     if (!shaped) {
       beam.strength_lm = strength_lm(beam, 1);
       scene.beams.push_back(beam);
+      heads.push_back(i);
       continue;
     }
     const auto wheel = [](uint image, uint next, double offset, double angle) {
@@ -764,8 +767,10 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
       one.spread = whole.spread * scale;
       one.strength_lm = strength_lm(one, scale) * copy.light;
       scene.beams.push_back(one);
+      heads.push_back(i);
     }
   }
+  add_mirrored(rig, walker, heads, scene);
   return scene;
 }
 

@@ -30,6 +30,7 @@ layout(set = 0, binding = FL_BINDING_BLADES, std430) writeonly buffer BladesBuff
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/view_beams.glsl"
+#include "render/shaders/lib/beam_counts.glsl"
 #include "render/shaders/shared/optics.h"
 
 // tan(x) for 0 <= x < pi/2 to 3e-7 of itself. GPUs may have it to 5e-7 of 1 alone, much of the spread of a pencil
@@ -96,12 +97,7 @@ float flux_factor(BeamShape beam, float iris) {
   return beam_flux_factor(beam);
 }
 
-// Whether tile_node() of shared/tile_node.h has its light.
-bool is_plain(BeamRow beam) {
-  bool gobo = (beam.gobo | beam.gobo_2 | beam.animation) != 0u || beam.offset_1 != 0.0 || beam.offset_2 != 0.0;
-  return !gobo && (beam.flags & FL_BEAM_BLADES) == 0u && beam.j0.w == 0.0 && beam.measured == 0u &&
-         beam.squeeze == 0.0 && beam.y_axis.w <= kWideSpread;
-}
+#include "render/shaders/lib/beam_flags.glsl"
 
 shared uint beams_before;
 shared uint lit_before;
@@ -120,23 +116,7 @@ void write_beams(uint index, uint first) {
   bool shaped = kOptics && row.optics != kNoAddress;
 
   BeamRow beam;
-  beam.gobo = 0u;
-  beam.gobo_cos = 1.0;
-  beam.gobo_sin = 0.0;
-  beam.gobo_2 = 0u;
-  beam.gobo_2_cos = 1.0;
-  beam.gobo_2_sin = 0.0;
-  beam.gobo_scale = 1.0;
-  beam.gobo_blur = 0.0;
-  beam.flags = 0u;
-  beam.next_1 = 0u;
-  beam.next_2 = 0u;
-  beam.offset_1 = 0.0;
-  beam.offset_2 = 0.0;
-  beam.focus = -1.0;
-  beam.animation = 0u;
-  beam.animation_cos = 1.0;
-  beam.animation_sin = 0.0;
+  open_beam(beam);
   beam.measured = is_measured ? type.measured : 0u;
   beam.squeeze = kRectangle && type.aspect > 0.0 ? 1.0 / (type.aspect * type.aspect) : 0.0;
   beam.head = index;
@@ -282,11 +262,7 @@ void main() {
 
   if (lane == uint(FL_GROUP_HEADS) - 1u && group == gl_NumWorkGroups.x - 1u) {
     uint live = beams_before + rank + beams_of[lane];
-    counts.live_count = live;
     counts.dark_count = params.head_count - lit_before - lit_here;
-    set_view_groups(live);
-    counts.shadow_groups[0] = min(live, uint(FL_SHADOWS_X));
-    counts.shadow_groups[1] = (live + uint(FL_SHADOWS_X) - 1u) / uint(FL_SHADOWS_X);
-    counts.shadow_groups[2] = 1u;
+    write_beam_counts(live);
   }
 }

@@ -15,7 +15,7 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather",   "shadows", "gobos",       "bodies", "tiles",
+const std::vector<std::string> kAll{"step",   "gather",   "mirrors", "shadows", "gobos",       "bodies", "tiles",
                                     "bounce", "surfaces", "gloss",   "depths",  "shadowtiles", "haze",   "coarse",
                                     "records", "fine",    "shade",   "beams",       "lasers", "shafts",
                                     "displays", "edges",  "strips",  "lenses",      "glare",  "tonemap"};
@@ -49,7 +49,7 @@ Needs demo_needs() {
   for (bool Needs::*need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake,
                             &Needs::pulses, &Needs::macro, &Needs::wide, &Needs::iris, &Needs::laser,
-                            &Needs::panes, &Needs::displays, &Needs::gloss}) {
+                            &Needs::panes, &Needs::displays, &Needs::gloss, &Needs::mirrors}) {
     CHECK_FALSE(needs.*need);
     needs.*need = true;
   }
@@ -121,6 +121,16 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_BLADES, 1},
                                 {FL_SPEC_MEASURED, 1},
                                 {FL_SPEC_RECTANGLE, 1}}},
+                              {"mirrors",
+                               {{FL_SPEC_GOBO, 1},
+                                {FL_SPEC_PROFILE, 1},
+                                {FL_SPEC_WIDE, 1},
+                                {FL_SPEC_IRIS, 1},
+                                {FL_SPEC_FOCUS, 1},
+                                {FL_SPEC_BLADES, 1},
+                                {FL_SPEC_MEASURED, 1},
+                                {FL_SPEC_RECTANGLE, 1},
+                                {FL_SPEC_ANIMATION, 1}}},
                               {"shadows", {{FL_SPEC_RECTANGLE, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_MAP_PX, 0}}},
                               {"gobos", {}},
                               {"bodies", {{FL_SPEC_GLOSS, 1}}},
@@ -263,6 +273,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"pulses", &Needs::pulses, {}, {FL_SPEC_PULSES}},
         Case{"macro", &Needs::macro, {}, {FL_SPEC_MACRO}},
         Case{"laser", &Needs::laser, {"lasers"}, {}},
+        Case{"mirrors", &Needs::mirrors, {"mirrors"}, {}},
         Case{"panes", &Needs::panes, {"shafts"}, {}},
         Case{"gloss", &Needs::gloss, {"gloss"}, {FL_SPEC_GLOSS}},
         Case{"displays", &Needs::displays, {"displays", "strips"}, {}},
@@ -289,7 +300,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
              true},
         Case{"fixtures",
              &Needs::fixtures,
-             {"step", "gather", "shadows", "gobos", "bodies", "tiles", "bounce", "depths", "shadowtiles",
+             {"step", "gather", "mirrors", "shadows", "gobos", "bodies", "tiles", "bounce", "depths", "shadowtiles",
               "coarse", "records", "fine", "shade", "beams", "lasers", "lenses"},
              {FL_SPEC_BODIES, FL_SPEC_SHADOWS, FL_SPEC_BOUNCE, FL_SPEC_LENSES}}}) {
     CAPTURE(c.what);
@@ -325,17 +336,17 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   FrameSettings settings;
   settings.bodies = false;
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "coarse", "records", "fine", "beams",
-                                 "lasers", "shafts", "displays", "strips", "glare", "tonemap"});
+        std::vector<std::string>{"step", "gather", "mirrors", "gobos", "tiles", "haze", "coarse", "records", "fine",
+                                 "beams", "lasers", "shafts", "displays", "strips", "glare", "tonemap"});
   settings.tile_error = 0;
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "beams", "lasers", "shafts",
+        std::vector<std::string>{"step", "gather", "mirrors", "gobos", "tiles", "haze", "beams", "lasers", "shafts",
                                  "displays", "strips", "glare", "tonemap"});
   settings.tile_error = FrameSettings{}.tile_error;
   needs.haze = false;  // without haze, too, no light is visible
   // Only panes are, against the sky, and displays.
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "shafts", "displays", "strips", "glare", "tonemap"});
+        std::vector<std::string>{"step", "gather", "mirrors", "shafts", "displays", "strips", "glare", "tonemap"});
   check_left_out(needs, settings);
 }
 

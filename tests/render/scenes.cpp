@@ -130,6 +130,7 @@ Scene all_modes_scene() {
       fixture.mode = static_cast<int>(m);
       fixture.address = address;
       fixture.position_m = {static_cast<double>(scene.rig.fixtures.size()), 0, 5};
+      if (!scene.rig.types[t].mirror_balls.empty()) fixture.lamps = {"none"};  // their rows: mirrors_test.cpp
       scene.rig.fixtures.push_back(fixture);
       address += scene.rig.types[t].modes[m].slot_count;
     }

@@ -127,7 +127,13 @@
 #define FL_BINDING_GLOSS (94 + FL_LAMP_COUNT)
 #define FL_BINDING_MIRROR (95 + FL_LAMP_COUNT)
 #define FL_BINDING_OWN_RADIANCE (96 + FL_LAMP_COUNT)  // for mirrordown.comp: the picture that is not mirrored
-#define FL_BINDING_COUNT (97 + FL_LAMP_COUNT)
+// Mirror balls (mirrors.comp): MirrorBallRow, MirrorPairRow, normals of mirrors, and what is lit: the number of beams
+// of lamps, then that of lit mirrors of each pair, then for each pair the numbers of these (FL_MIRROR_...).
+#define FL_BINDING_MIRROR_BALLS (97 + FL_LAMP_COUNT)
+#define FL_BINDING_MIRROR_PAIRS (98 + FL_LAMP_COUNT)
+#define FL_BINDING_MIRROR_NORMALS (99 + FL_LAMP_COUNT)
+#define FL_BINDING_MIRROR_PICKS (100 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (101 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -227,6 +233,7 @@
 #define FL_GLARE_MARGIN 2    // pixels beyond the picture that each level has, on each side
 #define FL_GLARE_WEIGHTS 25  // 1 + levels that have a weight; the first row of the image has them, behind what stays
 #define FL_GROUP_LASERS 64  // rows a workgroup
+#define FL_GROUP_MIRRORS 64  // mirrors that a workgroup tests at once
 #define FL_GROUP_SHAFTS 64  // words of occluders a workgroup
 #define FL_PANES_MAX 256  // of a rig; a multiple of 32
 #define FL_SPLAT_PX 32  // a workgroup that adds the splats of lenses has so many pixels a side

@@ -10,6 +10,7 @@
 #include "fixtures/files/import/import.h"
 #include "fixtures/files/import/text.h"
 #include "fixtures/gobos/gobo_images.h"
+#include "fixtures/mirrors/mirror_ball.h"
 #include "fixtures/model/attributes.h"
 #include "fixtures/model/lamp.h"
 #include "fixtures/model/params.h"
@@ -147,6 +148,7 @@ class Writer {
       if (geometry.model != kNoIndex) text += ", body " + type_.models[index(geometry.model)].name;
       if (geometry.beam != kNoIndex) text += ", " + beam(type_.beams[index(geometry.beam)]);
       if (geometry.laser != kNoIndex) text += ", " + laser(type_.lasers[index(geometry.laser)]);
+      if (geometry.mirror_ball != kNoIndex) text += ", " + mirrors(type_.mirror_balls[index(geometry.mirror_ball)]);
       line(2 + std::min(depths.back(), 20), "{}", text);
     }
   }
@@ -186,6 +188,11 @@ class Writer {
     return fmt::format("{}, {:.5g} lm, {:.5g} K, beam {:.4g} deg, field {:.4g} deg, lens {:.3g} m{}", type,
                        beam.flux_lm, beam.color_temperature_k, beam.beam_angle_deg, beam.field_angle_deg, beam.radius_m,
                        beam.face_m.x > 0 ? fmt::format(", {:.3g} x {:.3g} m", beam.face_m.x, beam.face_m.y) : "");
+  }
+
+  static std::string mirrors(const MirrorBall& ball) {
+    return fmt::format("ball {:.4g} m wide with {} mirrors of {:.4g} m", ball.diameter_m, mirror_count(ball),
+                       ball.mirror_m);
   }
 
   static std::string laser(const Laser& laser) {
