@@ -131,6 +131,31 @@ TEST_CASE("edges of boxes, bodies and objects are nearer to a picture with 4 x 4
   }
 }
 
+TEST_CASE("edges of 24 bodies in one tile are nearer to a picture with 4 x 4 pixels for one") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = solid_scene(false);
+  scene.rig.boxes.clear();
+  scene.rig.objects.clear();
+  const fixtures::PatchedFixture first = scene.rig.fixtures[0];
+  scene.rig.fixtures.clear();
+  for (int i = 0; i < 24; ++i) {
+    scene.rig.fixtures.push_back(first);
+    scene.rig.fixtures.back().name = "Head " + std::to_string(i + 1);
+    scene.rig.fixtures.back().position_m = {0.35 * (i % 6), 0.3 * (i % 5), 5 + 0.35 * (i / 6)};
+  }
+  scene.compile();
+  for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) scene.set(i, "Dimmer", 0);
+  scene.camera = {"c", {0.9, -23, 5.5}, {0.9, 0, 5.5}, 40, 4};
+  const RadianceImage reference = averaged(draw_new(vulkan.device(), scene, fine()), kSide);
+  const RadianceImage jagged = draw_new(vulkan.device(), scene, sized(0));
+  const Errors errors = errors_of(jagged, draw_new(vulkan.device(), scene, sized(16)), reference);
+  std::fprintf(stderr, "24 bodies: %d pixels, error %.3f before, %.3f after\n", errors.pixels, errors.before,
+               errors.after);
+  CHECK(errors.pixels > 100);
+  CHECK(errors.after < 0.6 * errors.before);
+}
+
 TEST_CASE("smooth edges are the same in every picture, bit for bit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
