@@ -48,6 +48,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   widest.gobo_method = GoboMethod::kTables;
   widest.view = FrameView::kPicture;
   widest.widen_thin = true;
+  widest.gloss_px = std::max(settings.gloss_px, 1u);
   std::vector<bool> used(FL_BINDING_COUNT, false);
   for (const std::uint32_t binding : frame_bindings()) used[binding] = true;
   used[FL_BINDING_LENSES] = true;  // live_error.h names it in any frame

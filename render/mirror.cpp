@@ -29,7 +29,6 @@ struct DownPush {
   std::int32_t stage;
   std::int32_t width;
   std::int32_t height;
-  std::int32_t side;
   std::uint32_t count;
 };
 constexpr std::int32_t kTake = -1;
@@ -147,7 +146,6 @@ Status Mirror::make(vk::Device& device, Resources& own, const fixtures::Needs& n
   resources_.bind_all();
   resources_.bindings.set_image(FL_BINDING_MIRROR, own.picture.mirror);
   resources_.bindings.set_image(FL_BINDING_OWN_RADIANCE, own.picture.radiance);
-  side_ = static_cast<std::int32_t>(settings.gloss_px) * settings.supersample;
   for (const PassEntry* entry : kMirrored) {
     if (std::find(passes.begin(), passes.end(), entry) == passes.end() || !entry->needed(needs, settings_)) continue;
     FL_ASSIGN(auto pass, entry->create({device, resources_, settings_, mirror_constants(*entry, needs, settings_)}));
@@ -188,7 +186,7 @@ void Mirror::record_levels(VkCommandBuffer commands) {
 
 // stage: as in mirrordown.comp.
 void Mirror::record_down(VkCommandBuffer commands, std::int32_t stage) {
-  const DownPush push{stage, shape_.levels[0].x, shape_.levels[0].y, side_, resources_.rig.gloss_count};
+  const DownPush push{stage, shape_.levels[0].x, shape_.levels[0].y, resources_.rig.gloss_count};
   const glm::ivec2 size = shape_.levels[static_cast<std::size_t>(std::max(stage, 0))];
   steps_->down.pipeline->push(commands, std::as_bytes(std::span(&push, 1)));
   vkCmdDispatch(commands, tile_groups(size.x), tile_groups(size.y), 1);

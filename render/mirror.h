@@ -4,7 +4,7 @@
 // makes of the ray of the same pixel of the camera's own picture, and goes on where that one meets the floor. The
 // passes of a view draw that picture with the tables of the frame, where rays begin on the floor (lib/mirror.glsl), at
 // a fraction of the size. mirrordown.comp makes a pyramid of it, with weights for what the camera's own picture shows.
-// Error and cost: docs/decisions/0147.
+// Error and cost: docs/decisions/0149.
 //
 // The passes of a rig (PassEntry::before_views) are recorded once, before; the rows of beams, which are relative to the
 // camera, are brought to the camera afterwards (eyes.comp).
@@ -70,7 +70,6 @@ class Mirror {
   std::vector<std::unique_ptr<Pass>> passes_;
   std::shared_ptr<Steps> steps_;
   MirrorShape shape_;
-  std::int32_t side_ = 1;  // pixels of the own picture in one
 };
 
 // Where the floors of a rig that mirror are.

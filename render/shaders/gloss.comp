@@ -3,7 +3,7 @@
 // camera has the light of each ray that one flat mirror throws back; facets with a slope see it beside that, by so much
 // as what they see is away from the floor. Along the plane of incidence, where facets turn the light most, the mean
 // over slopes is a sum over places; across it the levels of the pyramid are as blurred as the slopes
-// (docs/decisions/0147).
+// (docs/decisions/0149).
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/mirror_levels.glsl"
@@ -24,7 +24,8 @@ ivec4 levels[FL_MIRROR_LEVELS];
 // which: the texel of each pixel (mirror_levels.glsl).
 vec4 level_at(int n, vec2 at, int which) {
   ivec4 level = levels[n];
-  vec2 px = clamp(at, vec2(0.0), vec2(1.0)) * vec2(level.zw) - 0.5;
+  // A level whose size was rounded up ends beyond the picture.
+  vec2 px = clamp(at, vec2(0.0), vec2(1.0)) * vec2(levels[0].zw) * exp2(-float(n)) - 0.5;
   ivec2 low = ivec2(floor(px));
   vec2 part = px - vec2(low);
   ivec2 most = level.zw - 1;

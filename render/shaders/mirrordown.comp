@@ -12,8 +12,8 @@ layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform readonly image2D radiance;
 layout(set = 0, binding = FL_BINDING_OWN_RADIANCE, rgba32f) uniform readonly image2D own_radiance;
 layout(set = 0, binding = FL_BINDING_MIRROR, rgba32f) uniform image2D mirror;
-// stage: -1: take the picture; 0: weights; else the level that is made. side: pixels of the own picture in one.
-layout(push_constant) uniform Push { int stage; int width; int height; int side; uint count; } push;
+// stage: -1: take the picture; 0: weights; else the level that is made.
+layout(push_constant) uniform Push { int stage; int width; int height; uint count; } push;
 
 void take(ivec2 pixel) {
   vec3 ray = normalize(ray_through(vec2(pixel) + 0.5));
@@ -24,11 +24,15 @@ void take(ivec2 pixel) {
 }
 
 void weigh(ivec2 pixel) {
-  ivec2 end = min(push.side * (pixel + 1), ivec2(int(params.width), int(params.height)));
+  // All pixels that it is a part of.
+  ivec2 own = ivec2(int(params.width), int(params.height));
+  ivec2 size = ivec2(push.width, push.height);
+  ivec2 first = pixel * own / size;
+  ivec2 end = min(((pixel + 1) * own + size - 1) / size, own);
   float shown = 0.0;
   float all_px = 0.0;
-  for (int y = push.side * pixel.y; y < end.y; ++y) {
-    for (int x = push.side * pixel.x; x < end.x; ++x) {
+  for (int y = first.y; y < end.y; ++y) {
+    for (int x = first.x; x < end.x; ++x) {
       vec3 ray = normalize(ray_through(vec2(x, y) + 0.5));
       shown += floor_at(ray, imageLoad(own_radiance, ivec2(x, y)).a, push.count) != FL_NONE ? 1.0 : 0.0;
       all_px += 1.0;

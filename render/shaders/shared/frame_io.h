@@ -460,7 +460,7 @@ struct GlossRow {
   vec4 half_x;  // xyz: to the middle of an edge; w: root mean square slope of the facets
   vec4 half_y;
 };
-#define FL_MIRROR_LEVELS 8  // of the pyramid, at most
+#define FL_MIRROR_LEVELS 12  // of the pyramid, at most
 
 // What a tile of FL_TILE_PX x FL_TILE_PX pixels shows; 32 bytes.
 struct TileDepthRow {

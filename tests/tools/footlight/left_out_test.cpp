@@ -60,7 +60,8 @@ TEST_CASE("each need that a rig lacks, and the passes that it adds, have bytes, 
     if (row.pass) CHECK(row.name == passes[i].name);
     CHECK(!row.text.empty());
     if (row.pass) continue;
-    CHECK(row.times.has_value() == row.on_gpu);
+    // Without a floor that mirrors there is nothing to time.
+    CHECK(row.times.has_value() == (row.on_gpu && row.name != "gloss"));
     if (!row.times) continue;
     CHECK(row.times->ms_p10 <= row.times->ms_p50);
     CHECK(row.times->ms_p50 <= row.times->ms_p90);

@@ -359,5 +359,25 @@ TEST_CASE("report refuses a rig without levels, and measures it with --lit") {
   }
 }
 
+TEST_CASE("report measures a rig with a floor that mirrors, in the picture and outside of it") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  for (const char* target : {"0, 0, 0", "0, -9, 9"}) {
+    std::ofstream(folder.file("rig.toml"))
+        << kOnePar << "[[box]]\nname = \"floor\"\nmin = [-4, -4, -1]\nmax = [4, 4, 0]\ngloss = 0.5\n"
+        << "[[camera]]\nname = \"c\"\nposition = [0, -8, 2]\ntarget = [" << target << "]\nfov_deg = 40\n";
+    const Outcome lit = Footlight({"report", folder.file("rig.toml"), "--lit", "--pictures", "--quick", "--runs", "3",
+                                   "--size", "64x36", "--json", "--judge-pixels", "100"},
+                                  kNoLeaks)
+                            .wait();
+    INFO(lit.err);
+    REQUIRE(lit.exit_code == 0);
+    CHECK(contains(lit.out, "\"whole-frame\""));
+    const auto row = nlohmann::json::parse(lit.out.substr(0, lit.out.find('\n')));
+    CHECK(row["rel_l2"].get<double>() < 1e-2);  // without what the floor mirrors, as the judge
+  }
+}
+
 }  // namespace
 }  // namespace footlight::testing

@@ -166,6 +166,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       making_scene_.reset();
     } else if (made) {
       error_.reset();
+      facts_.error = {};  // that of the rig from before
       error_tried_ = error_drawn_ = shown_ = false;
       frame_ = std::move((*made)->frame);
       videos_.show_all_again();

@@ -194,7 +194,7 @@ Status Preview::read_figures(DurationNs dt_ns) {
   }
   facts_.width = frame_->settings().width;
   facts_.height = frame_->settings().height;
-  facts_.gpu_mib = static_cast<double>(frame_->resources().total_bytes) / (1024.0 * 1024.0);
+  facts_.gpu_mib = static_cast<double>(frame_->bytes()) / (1024.0 * 1024.0);
   const DurationNs since_ns = facts_.now_ns - second_ns_;
   if (since_ns >= kNsPerS) {
     facts_.fps = static_cast<double>(second_frames_) * 1e9 / static_cast<double>(since_ns);

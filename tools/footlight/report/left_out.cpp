@@ -98,7 +98,8 @@ class Measurement {
     row.on_gpu = row.bytes > 0 || !names.empty();
     if (!row.on_gpu) return row;
     std::vector<std::vector<double>> pass_ms(passes_.size());
-    if (without_) {
+    // Without a floor that mirrors, nothing is mirrored that could be timed.
+    if (without_ && feature.need != &fixtures::Needs::gloss) {
       FL_ASSIGN(row.times, measure_times(forced, names, pass_ms));
     }
     for (std::size_t p = 0; p < passes_.size(); ++p) {

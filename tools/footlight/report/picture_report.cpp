@@ -91,15 +91,30 @@ bool only_builtin(const fixtures::CompiledRig& compiled) {
   });
 }
 
+// The times of one pass in several frames, ms. A frame with floors that mirror also has one of the mirrored picture.
+struct PassTimes {
+  std::string name;
+  std::vector<double> ms;
+};
+
+void add_times(std::vector<PassTimes>& times, const std::vector<PassTime>& frame) {
+  for (const PassTime& pass : frame) {
+    const auto found =
+        std::find_if(times.begin(), times.end(), [&](const PassTimes& each) { return each.name == pass.name; });
+    PassTimes& own = found == times.end() ? times.emplace_back(PassTimes{pass.name, {}}) : *found;
+    own.ms.push_back(pass.gpu_ms);
+  }
+}
+
 // Returns the times of `runs` frames after 3 warm-up frames. Writes the times of each pass to `pass_ms` and those of
 // the first frame to `first`, if they are not null. After row_seconds there are no more than one warm-up and 3 runs.
 // Calls `go_on` with the finished share before each frame; false ends the timing early.
 Result<std::vector<double>> time_frames(Frame& frame, const View& view, const Scene& scene, int runs,
-                                        double row_seconds, std::vector<std::vector<double>>* pass_ms,
+                                        double row_seconds, std::vector<PassTimes>* pass_ms,
                                         const std::function<bool(double)>& go_on,
                                         std::vector<PassTime>* first = nullptr) {
   std::vector<double> times_ms;
-  if (pass_ms != nullptr) pass_ms->assign(frame.plan().size(), {});
+  if (pass_ms != nullptr) pass_ms->clear();
   const auto start = std::chrono::steady_clock::now();
   for (int i = -3; i < runs; ++i) {
     if (!go_on((i + 3.0) / (runs + 4.0))) break;
@@ -113,10 +128,8 @@ Result<std::vector<double>> time_frames(Frame& frame, const View& view, const Sc
     if (i == -3 && first != nullptr) *first = passes;
     if (i < 0) continue;
     double total_ms = 0;
-    for (std::size_t p = 0; p < passes.size(); ++p) {
-      total_ms += passes[p].gpu_ms;
-      if (pass_ms != nullptr) (*pass_ms)[p].push_back(passes[p].gpu_ms);
-    }
+    for (const PassTime& pass : passes) total_ms += pass.gpu_ms;
+    if (pass_ms != nullptr) add_times(*pass_ms, passes);
     times_ms.push_back(total_ms);
   }
   return times_ms;
@@ -140,6 +153,7 @@ FrameSettings judged_settings(const PictureReportOptions& options) {
   settings.bodies = false;
   settings.widen_thin = false;
   settings.edge_samples = 0;
+  settings.gloss_px = 0;       // nor behind that of what floors mirror
   settings.shadow_map_px = 0;  // what other knobs do is not hidden behind the error of maps
   return settings;
 }
@@ -162,6 +176,7 @@ Result<Judged> judge_scene_of(vk::Device& device, const Scene& scene, const View
   JudgeScene judge =
       judge_scene(scene.rig, walker, [gobos](int gobo, double x, double y) { return gobos(gobo, x, y).x; });
   if (!only_builtin(scene.compiled)) judge.colors = gobos;
+  judge.glosses.clear();
   JudgeOptions judge_options;
   if (options.go_on) {
     judge_options.go_on = [&](int done, int all) { return options.go_on("judged pixels", done, all); };
@@ -328,7 +343,7 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
   whole.shadows = options.shadows;
   whole.shadow_map_px = options.shadow_map_px;
   FL_ASSIGN(auto frame, make_frame(device, scene, whole));
-  std::vector<std::vector<double>> pass_ms;
+  std::vector<PassTimes> pass_ms;
   std::vector<PassTime> first;
   FL_ASSIGN(const auto times_ms, time_frames(
                                      *frame, view, scene, options.runs, options.row_seconds, &pass_ms,
@@ -351,9 +366,7 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
   report.shadows = counts.shadows;
   report.shadows_lost = counts.shadows_lost;
   report.whole_ms = percentile(times_ms, 0.5);
-  for (std::size_t p = 0; p < pass_ms.size(); ++p) {
-    report.whole_passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});
-  }
+  for (const PassTimes& pass : pass_ms) report.whole_passes.push_back({pass.name, percentile(pass.ms, 0.5)});
   FL_ASSIGN(report.bodies, frame->read_bodies());
   for (const PassTime& pass : first) report.gobo_build_ms += pass.name == "gobos" ? pass.gpu_ms : 0;
   FL_ASSIGN(report.gates, frame->read_gates());
@@ -414,7 +427,7 @@ Status report_edges(vk::Device& device, const Scene& scene, const View& view, co
     whole.edge_samples = samples;
     FL_TRY(frame->change(whole));
     EdgeRow row{.samples = samples};
-    std::vector<std::vector<double>> pass_ms;
+    std::vector<PassTimes> pass_ms;
     bool ended = false;
     FL_ASSIGN(
         const auto times_ms, time_frames(*frame, view, scene, runs, options.row_seconds, &pass_ms, [&](double share) {
@@ -423,8 +436,8 @@ Status report_edges(vk::Device& device, const Scene& scene, const View& view, co
         }));
     report.ended = ended;
     if (report.ended) return {};
-    for (std::size_t p = 0; p < pass_ms.size(); ++p) {
-      if (frame->plan()[p].name == "edges" && !pass_ms[p].empty()) row.ms = percentile(pass_ms[p], 0.5);
+    for (const PassTimes& pass : pass_ms) {
+      if (pass.name == "edges") row.ms = percentile(pass.ms, 0.5);
     }
     FL_ASSIGN(pictures.emplace_back(), frame->read_screen());
     row.flip = flip(pictures.back(), reference).mean;
@@ -483,7 +496,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     row.knob = knob.value;
     row.hits_per_px = judged.hits_per_px;
     FL_ASSIGN(auto frame, make_frame(device, scene, settings, knob.passes));
-    std::vector<std::vector<double>> pass_ms;
+    std::vector<PassTimes> pass_ms;
     const auto go_on = [&](double share) { return !ends_at(share); };
     FL_ASSIGN(const auto times_ms,
               time_frames(*frame, view, scene, options.runs, options.row_seconds, &pass_ms, go_on));
@@ -493,15 +506,13 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     row.ms_p90 = percentile(times_ms, 0.9);
     row.bytes = static_cast<std::int64_t>(frame->bytes());
     row.own_ms = 0;
-    for (std::size_t p = 0; p < pass_ms.size(); ++p) {
-      if (is_own(knob, frame->plan()[p].name)) row.own_ms += percentile(pass_ms[p], 0.5);
+    for (const PassTimes& pass : pass_ms) {
+      if (is_own(knob, pass.name)) row.own_ms += percentile(pass.ms, 0.5);
     }
     if (settings.tile_error == defaults.tile_error && settings.gobo_taps == defaults.gobo_taps && settings.shadows &&
         settings.shadow_map_px == 0) {
       report.passes.clear();
-      for (std::size_t p = 0; p < pass_ms.size(); ++p) {
-        report.passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});
-      }
+      for (const PassTimes& pass : pass_ms) report.passes.push_back({pass.name, percentile(pass.ms, 0.5)});
     }
     if (options.judge) FL_TRY(judge_row(*frame, judged, row));
     report.rows.push_back(row);
