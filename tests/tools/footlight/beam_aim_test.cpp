@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include "fixtures/edit/rig_edits.h"
+#include "fixtures/model/params.h"
 #include "tests/tools/footlight/ui_rigs.h"
 #include "tools/footlight/preview/hand_levels.h"
 
@@ -99,6 +100,68 @@ TEST_CASE("a point along the pan axis is aimed at, and one at the lens is not") 
   const auto up = aimed.aim.angles_to(1, {0, 0, 60}, aimed.levels);
   REQUIRE(up);
   CHECK(up->off_rad > 0.2);
+}
+
+// Every profile of the rig turns an attribute by no more than this.
+fixtures::Rig limited_rig(const char* attribute, double from_deg, double to_deg) {
+  fixtures::Rig rig = parsed_rig(kUiRig);
+  for (fixtures::FixtureType& type : rig.types) {
+    for (fixtures::Mode& mode : type.modes) {
+      for (fixtures::Channel& channel : mode.channels) {
+        for (fixtures::ChannelFunction& function : channel.functions) {
+          if (!fixtures::same_attribute(function.attribute, attribute)) continue;
+          function.physical_from = from_deg;
+          function.physical_to = to_deg;
+        }
+      }
+    }
+  }
+  return rig;
+}
+
+TEST_CASE("a head whose pan does not turn its beam keeps its pan") {
+  Aimed aimed(limited_rig("Tilt", 0, 0));  // the beam is along the pan axis
+  aimed.levels[0] = 200;
+  const StageRay before = aimed.aim.beam_of(0, aimed.levels).value();
+  CHECK(before.way.z < -0.999);
+  const auto angles = aimed.aim.angles_to(0, {2, 3, 0}, aimed.levels);
+  REQUIRE(angles);
+  CHECK(!angles->tilt_deg);
+  CHECK(std::abs(*angles->pan_deg) > 100);
+  (void)aimed.to({0}, {2, 3, 0});
+  CHECK(aimed.levels[0] == 200);
+}
+
+TEST_CASE("out of reach of its pan a head comes as near as it can at an end of the pan") {
+  Aimed aimed(limited_rig("Pan", -30, 30));
+  int beyond = 0;
+  for (const glm::dvec3 point_m : {glm::dvec3(-6, -3, 1), glm::dvec3(3, 0.5, 2), glm::dvec3(-8, 1, 0)}) {
+    const double off_rad = aimed.aim.angles_to(0, point_m, aimed.levels).value().off_rad;
+    if (off_rad > 0.05) ++beyond;
+    // Both ends of the pan with steps of the tilt.
+    double least_rad = 10;
+    std::vector<std::uint8_t> levels = aimed.levels;
+    for (const int pan : {0, 255}) {
+      levels[0] = levels[1] = static_cast<std::uint8_t>(pan);
+      for (int tilt = 0; tilt < 65536; tilt += 128) {
+        levels[2] = static_cast<std::uint8_t>(tilt / 256);
+        levels[3] = static_cast<std::uint8_t>(tilt % 256);
+        const StageRay beam = aimed.aim.beam_of(0, levels).value();
+        least_rad = std::min(least_rad, std::acos(glm::dot(beam.way, glm::normalize(point_m - beam.from_m))));
+      }
+    }
+    CHECK(off_rad < least_rad + 1e-3);
+  }
+  CHECK(beyond >= 2);
+}
+
+TEST_CASE("an aim computes at most 120 beams") {
+  Aimed aimed(parsed_rig(kUiRig));
+  for (const glm::dvec3 point_m : {glm::dvec3(0, 4, 0), glm::dvec3(-6, -3, 1), glm::dvec3(-2.5, 0.3, 0)}) {
+    const std::size_t before = aimed.aim.computed();
+    CHECK(aimed.aim.angles_to(0, point_m, aimed.levels));
+    CHECK(aimed.aim.computed() - before <= 120);
+  }
 }
 
 TEST_CASE("fixtures without pan and tilt, and without an address, are left") {

@@ -8,6 +8,7 @@
 
 #include "tests/tools/footlight/panels_test_imgui.h"
 #include "tests/tools/footlight/ui_rigs.h"
+#include "tools/footlight/preview/ui/draw_compare.h"
 #include "tools/footlight/preview/ui/panels.h"
 
 namespace footlight::tools {
@@ -108,6 +109,43 @@ TEST_CASE("a moment B that was kept stays what it is, and the grid shows it") {
   words = ui.words();
   CHECK(has(words, "200 (+200)"));
   CHECK(has(words, "level 200"));
+}
+
+TEST_CASE("a frozen comparison is made anew when A is replaced or B is cleared") {
+  CompareUi ui;
+  CompareView view;
+  const auto take = [&](bool frozen) {
+    UiInput input;
+    input.levels = ui.levels;
+    return view.take(ui.desk, input, frozen);
+  };
+  const auto b = [&] { return view.difference().slots.empty() ? -1 : int{view.difference().slots.front().b}; };
+  ui.desk.comparison().a = ui.kept();
+  ui.levels[0] = 10;
+  CHECK(!take(false));
+  ui.levels[0] = 20;
+  CHECK(!take(true));
+  CHECK(b() == 10);  // frozen
+  ui.desk.comparison().a = ui.kept();
+  CHECK(take(true));
+  CHECK(b() == -1);
+  ui.levels[0] = 30;
+  CHECK(!take(true));
+  CHECK(b() == -1);
+  ui.desk.comparison().b = ui.kept();
+  CHECK(!take(true));
+  CHECK(b() == 30);
+  ui.levels[0] = 40;
+  ui.desk.comparison().b.reset();
+  CHECK(take(true));
+  CHECK(b() == 40);
+  const auto a = ui.desk.comparison().a;
+  ui.desk.comparison() = {};
+  CHECK(!take(true));
+  CHECK(b() == -1);
+  ui.desk.comparison().a = a;
+  CHECK(take(true));
+  CHECK(b() == 40);
 }
 
 TEST_CASE("the buttons keep this moment, end the comparison, and go to the times of a log") {

@@ -42,7 +42,7 @@ TEST_CASE("two moments differ in the slots of which levels are further apart tha
   CHECK(compare_moments(a, a).equal());
 }
 
-TEST_CASE("a universe that only one moment has is dark in the other, and the moments are not equal") {
+TEST_CASE("a universe that only one moment has is dark in the other, and equal if it is dark there too") {
   const LevelMoment a = moment_with({{1, {5}}, {3, {}}});
   const LevelMoment b = moment_with({{1, {5}}, {2, {9}}});
   const auto both = compare_moments(a, b);
@@ -52,7 +52,8 @@ TEST_CASE("a universe that only one moment has is dark in the other, and the mom
   CHECK(both.universes[1].in_b);
   CHECK(both.universes[2].in_a);
   CHECK(both.universes[2].slots == 0);
-  CHECK(!compare_moments(a, moment_with({{1, {5}}})).equal());  // universe 3, although it is dark
+  CHECK(!both.equal());
+  CHECK(compare_moments(a, moment_with({{1, {5}}})).equal());  // universe 3 is dark
   CHECK(compare_moments(LevelMoment{}, LevelMoment{}).equal());
   // Fewer levels than universes: those are not there.
   LevelMoment cut = a;
@@ -108,6 +109,22 @@ TEST_CASE("log compare lists the slots between two times of a log, with the fixt
   CHECK(same.exit_code == 0);
   CHECK(same.out.find("universe 1: no slot differs\n") != std::string::npos);
   CHECK(same.out.find("equal\n") != std::string::npos);
+}
+
+TEST_CASE("log compare names a universe without a frame, and exits with 0 if no slot differs") {
+  const TempFolder folder;
+  const std::string path = folder.file("dark.dmxlog");
+  LogWriter writer = LogWriter::create(path, {.universes = {1}}).value();
+  FrameView view;
+  view.universe = 1;
+  view.stamp_ns = kNsPerS;
+  const std::vector<std::uint8_t> dark(4);
+  view.slots = dark;
+  REQUIRE(writer.append(view));
+  REQUIRE(writer.close(2 * kNsPerS));
+  const Outcome text = footlight({"log", "compare", path, "--at", "0.5s", "--with", "1.5s"});
+  CHECK(text.exit_code == 0);
+  CHECK_MESSAGE(text.out.find("universe 1: no slot differs, no frame in A\nequal\n") != std::string::npos, text.out);
 }
 
 TEST_CASE("log compare compares two logs at one time, and at two") {

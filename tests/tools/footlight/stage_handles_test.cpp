@@ -170,6 +170,32 @@ TEST_CASE("the aim handle takes pan and tilt over to the point of the floor unde
   CHECK(text_of(*stage.desk.history().next_undo(), stage.desk.rig()) == "select Spot 2");
 }
 
+TEST_CASE("while the mouse stands still during a drag, heads are not aimed again") {
+  Stage stage;
+  const glm::dvec2 at = stage.seen({1, 2, 0});
+  (void)stage.mouse(stage.handles.aim_shape()->point, true);
+  (void)stage.mouse(at, true);
+  CHECK(stage.desk.state().taken.size() == 2);
+  stage.desk.release_all();
+  (void)stage.mouse(at, true);
+  CHECK(stage.desk.state().taken.empty());
+  (void)stage.mouse(stage.seen({2, 2, 0}), true);
+  CHECK(stage.desk.state().taken.size() == 2);  // another point is aimed at
+}
+
+TEST_CASE("with Ctrl the point that is aimed at snaps in X and Y, and keeps its height") {
+  fixtures::Rig rig = parsed_rig(kUiRig);
+  fixtures::StageBox riser;
+  riser.min_m = {-4, -4, 0};
+  riser.max_m = {4, 4, 0.3};
+  rig.boxes.push_back(riser);
+  Stage stage(std::move(rig));
+  stage.input.snaps = true;
+  (void)stage.mouse(stage.handles.aim_shape()->point, true);
+  (void)stage.mouse(stage.seen({1.1, 1.9, 0.3}), true);
+  CHECK(glm::length(stage.handles.aim_shape()->point_m - glm::dvec3(1, 2, 0.3)) < 1e-9);
+}
+
 TEST_CASE("a par is turned by the aim handle, at the end of the drag") {
   Stage stage;
   stage.desk.select(3, false);

@@ -141,6 +141,38 @@ TEST_CASE("blackout has a key of its own in every keyboard, one more that acts w
   CHECK(!acts_always({GLFW_KEY_F8, 0, false}));
 }
 
+TEST_CASE("keys of outputs act while a handle is dragged, Escape cancels the drag, and other keys wait") {
+  const KeyPress black{GLFW_KEY_B, 0, false};
+  const KeyPress end{GLFW_KEY_B, GLFW_MOD_SHIFT, false};
+  const KeyPress disarm{GLFW_KEY_D, GLFW_MOD_CONTROL, false};
+  const KeyPress always{GLFW_KEY_F9, 0, false};
+  const KeyPress escape{GLFW_KEY_ESCAPE, 0, false};
+  const KeyPress remove{GLFW_KEY_DELETE, 0, false};
+  KeyHolders holders;
+  for (const KeyPress& key : {black, end, disarm, always, escape, remove}) {
+    CHECK(turn_of(key, holders) == KeyTurn::kActs);
+  }
+  for (const bool question : {false, true}) {
+    holders = {false, question, true};
+    for (const KeyPress& key : {black, end, disarm, always}) CHECK(turn_of(key, holders) == KeyTurn::kActs);
+    CHECK(turn_of(escape, holders) == KeyTurn::kCancelsDrag);
+    CHECK(turn_of(remove, holders) == KeyTurn::kNothing);
+  }
+  holders = {false, true, false};
+  CHECK(turn_of(escape, holders) == KeyTurn::kActs);
+  CHECK(turn_of(disarm, holders) == KeyTurn::kActs);
+  CHECK(turn_of(remove, holders) == KeyTurn::kNothing);
+  holders = {true, false, false};
+  CHECK(turn_of(always, holders) == KeyTurn::kActs);
+  for (const KeyPress& key : {black, end, disarm, escape}) CHECK(turn_of(key, holders) == KeyTurn::kNothing);
+  CHECK(turn_of({GLFW_KEY_F7, GLFW_MOD_ALT, false}, {}) == KeyTurn::kNothing);
+
+  const std::array<KeyPress, 3> keys{disarm, escape, escape};
+  CHECK(canceling_key(keys, {false, false, true}) == &keys[1]);
+  CHECK(canceling_key(keys, {}) == nullptr);
+  CHECK(canceling_key(keys, {true, false, true}) == nullptr);
+}
+
 TEST_CASE("a key that is pressed and released between two pictures is down in one of them") {
   KeyTaps taps;
   std::array<bool, KeyTaps::kKeys> down{};

@@ -16,6 +16,7 @@ namespace footlight::tools {
 struct LevelMoment {
   std::vector<Universe> universes;   // ascending
   std::vector<std::uint8_t> levels;  // universes x 512
+  bool operator==(const LevelMoment&) const = default;
 };
 
 // The same without owning it.
@@ -46,7 +47,7 @@ struct MomentDifference {
   };
   std::vector<Count> universes;       // of either moment, ascending
   std::vector<SlotDifference> slots;  // by universe, then by address
-  // Whether the same universes have the same levels.
+  // Whether no slot differs. A universe that is in one moment only and dark there does not count.
   [[nodiscard]] bool equal() const;
   [[nodiscard]] int slots_of(Universe universe) const;
 };

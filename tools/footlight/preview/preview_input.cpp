@@ -127,6 +127,10 @@ bool Preview::take_handles() {
 
 void Preview::take_mouse() {
   const bool handle = take_handles();
+  if (handles_.dragging()) {
+    pressed_on_stage_.fill(false);  // a drag of the camera that is under way ends: it would be in the same gesture
+    return;
+  }
   const ImGuiIO& io = ImGui::GetIO();
   const double heights = 1.0 / std::max(static_cast<double>(io.DisplaySize.y), 1.0);
   const double right = static_cast<double>(io.MouseDelta.x) * heights;
@@ -162,7 +166,7 @@ void Preview::take_mouse() {
     moves = moves || right != 0 || down != 0;
   }
   if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) selects_more_ = io.KeyCtrl || io.KeyShift;
-  if (io.MouseWheel != 0 && !io.WantCaptureMouse && !handles_.dragging()) {
+  if (io.MouseWheel != 0 && !io.WantCaptureMouse) {
     camera.approach(static_cast<double>(io.MouseWheel));
     moves = true;
   }
@@ -173,19 +177,20 @@ void Preview::take_mouse() {
 void Preview::take_input(bool typing) {
   const ImGuiIO& io = ImGui::GetIO();
   if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
+  const auto holders = [&] {
+    return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_, handles_.dragging()};
+  };
+  // Before the mouse: Escape with the release of a drag in one picture puts it back.
+  const KeyPress* const cancels = canceling_key(window_->keys(), holders());
+  if (cancels != nullptr) handles_.cancel(*desk_);
   take_mouse();
   for (const KeyPress& key : window_->keys()) {
-    const auto asked = call_of(key);
-    if (!asked) continue;
-    const bool dark = acts_always(key) || asked->action == UiAction::kBlackout;
-    if ((io.WantTextInput || typing || palette_.is_open()) && !acts_always(key)) continue;
-    if (asks_close_ && !dark && asked->action != UiAction::kEscape) continue;
-    if (handles_.dragging() && !dark) {
-      if (asked->action == UiAction::kEscape) handles_.cancel(*desk_);
-      continue;
-    }
+    if (&key == cancels) continue;
+    const KeyTurn turn = turn_of(key, holders());
+    if (turn == KeyTurn::kCancelsDrag) handles_.cancel(*desk_);
+    if (turn != KeyTurn::kActs) continue;
     if (!key.repeated && !handles_.dragging()) desk_->begin_gesture();
-    call(*asked);
+    call(*call_of(key));
   }
 }
 

@@ -21,6 +21,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kDegrees = 180 / kPi;
 constexpr double kNearestM = 1e-3;  // a point nearer to the lens than this has no direction
 constexpr double kSame = 1e-9;
+constexpr double kReached = 1e-6;  // an angle between the beam and the way to the point
+constexpr double kStillM = 1e-6;   // a lens that moves less has arrived
 
 template <class Vector>
 glm::dvec3 vector_of(const Vector& v) {
@@ -69,6 +71,7 @@ Range range_of(const fixtures::Mode& mode, std::string_view attribute) {
 struct BeamAim::State {
   explicit State(const fixtures::CompiledRig& compiled) : walker(compiled) {}
   Walker walker;
+  std::size_t computed = 0;
 };
 
 // A head whose joints can be turned.
@@ -77,9 +80,11 @@ struct BeamAim::Head {
   const fixtures::HeadRow& row;
   const fixtures::TypeRow& type;
   Walker::HeadState state;
+  std::size_t& computed;  // BeamAim::computed()
 
   [[nodiscard]] StageRay beam() const {
     const Walker::BeamPose pose = walker.beam_pose(row, type, state);
+    ++computed;
     return {vector_of(pose.lens_m), vector_of(pose.axis)};
   }
   [[nodiscard]] double& angle(fixtures::uint param) { return param == fixtures::kParamPan ? state.pan : state.tilt; }
@@ -105,6 +110,8 @@ BeamAim::BeamAim(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled
 
 BeamAim::~BeamAim() = default;
 
+std::size_t BeamAim::computed() const { return state_->computed; }
+
 std::optional<std::size_t> BeamAim::head_of(int fixture) const {
   const auto at = static_cast<std::size_t>(fixture);
   const std::size_t first = compiled_.head_first[at];
@@ -122,7 +129,7 @@ std::optional<std::size_t> BeamAim::head_of(int fixture) const {
 BeamAim::Head BeamAim::posed(std::size_t head, std::span<const std::uint8_t> levels) {
   Walker& walker = state_->walker;
   const fixtures::HeadRow& row = compiled_.heads[head];
-  Head posed{walker, row, compiled_.types[row.type], {}};
+  Head posed{walker, row, compiled_.types[row.type], {}, state_->computed};
   walker.head_pose(posed.state, walker.decoded(levels, head));
   walker.levels = {};  // the caller's
   return posed;
@@ -153,15 +160,22 @@ bool BeamAim::moves(int fixture) const {
 namespace {
 
 // The two angles of an inner joint at which its direction has the slope `wanted` along an axis; where it cannot, the
-// angle that comes nearest, twice.
-std::array<double, 2> slopes_to(const Turning& turning, const glm::dvec3& axis, double wanted) {
+// angle that comes nearest, twice. `now`, twice, if it does not change the slope.
+std::array<double, 2> slopes_to(const Turning& turning, const glm::dvec3& axis, double wanted, double now_rad) {
   const double a = glm::dot(turning.a, axis);
   const double b = glm::dot(turning.b, axis);
   const double most = std::hypot(a, b);
-  if (most < kSame) return {0, 0};
+  if (most < kSame) return {now_rad, now_rad};
   const double first = std::atan2(b, a);
   const double open = std::acos(std::clamp((wanted - glm::dot(turning.middle, axis)) / most, -1.0, 1.0));
   return {first + open, first - open};
+}
+
+// The angle of a joint at which its direction comes nearest to `wanted`; `now` if all angles are as near.
+double nearest_angle(const Turning& turning, const glm::dvec3& wanted, double now_rad) {
+  const double a = glm::dot(turning.a, wanted);
+  const double b = glm::dot(turning.b, wanted);
+  return std::hypot(a, b) < kSame ? now_rad : std::atan2(b, a);
 }
 
 // The angle about an axis from one direction to another; nothing if one of them is along the axis.
@@ -186,7 +200,8 @@ struct Joint {
   [[nodiscard]] double within(double angle_rad) const { return std::clamp(angle_rad, from_rad, to_rad); }
 };
 
-// The direction of the axis about which a head's beam turns with a joint, whatever the joint behind it does.
+// The direction of the axis about which a head's beam turns with a joint, whatever the joint behind it does. 0: that
+// joint does not turn it.
 template <class Way>
 glm::dvec3 outer_axis_of(const Way& way_at) {
   glm::dvec3 best(0);
@@ -216,18 +231,40 @@ std::optional<BeamAim::Angles> BeamAim::angles_to(int fixture, const glm::dvec3&
   Joint outer = joint_of(0);
   Joint inner = joint_of(1);
   if (!outer.moves()) std::swap(outer, inner);
+  // Neither of these depends on where the lens is.
+  const auto way_at = [&](double outer_rad, double inner_rad) {
+    if (inner.moves()) head.angle(inner.param) = inner_rad;
+    return head.way_at(outer.param, outer_rad);
+  };
+  const glm::dvec3 axis = inner.moves() ? outer_axis_of(way_at) : glm::dvec3(0);
+  const bool outer_alone = !inner.moves();
+  const bool inner_alone = inner.moves() && axis == glm::dvec3(0);
+  const Turning turning = turning_of(
+      [&](double angle) { return outer_alone ? way_at(angle, 0) : way_at(inner_alone ? outer.now_rad : 0, angle); });
+  head.angle(outer.param) = outer.now_rad;
+  if (inner.moves()) head.angle(inner.param) = inner.now_rad;
+
   Angles best;
   double best_turn = 0;
+  std::vector<std::array<double, 2>> tried;  // in a pass, within the ranges
+  glm::dvec3 lens_m(0);
   for (int pass = 0; pass < 8; ++pass) {
-    const glm::dvec3 between = point_m - head.beam().from_m;
+    const glm::dvec3 from_m = head.beam().from_m;
+    if (pass > 0 && glm::length(from_m - lens_m) < kStillM) break;
+    lens_m = from_m;
+    const glm::dvec3 between = point_m - lens_m;
     if (!(glm::length(between) > kNearestM)) return std::nullopt;
     const glm::dvec3 wanted = glm::normalize(between);
     best.off_rad = 1e30;
+    tried.clear();
     const auto take = [&](double outer_rad, double inner_rad) {
       for (int turns = -2; turns <= 2; ++turns) {
         for (int inner_turns = -1; inner_turns <= 1; ++inner_turns) {
           const double a = outer.within(turned_near(outer_rad, outer.now_rad) + turns * 2 * kPi);
           const double b = inner.within(turned_near(inner_rad, inner.now_rad) + inner_turns * 2 * kPi);
+          const std::array<double, 2> both{a, b};
+          if (std::find(tried.begin(), tried.end(), both) != tried.end()) continue;
+          tried.push_back(both);
           head.angle(outer.param) = a;
           if (inner.moves()) head.angle(inner.param) = b;
           const double off = angle_between(head.beam().way, wanted);
@@ -239,19 +276,20 @@ std::optional<BeamAim::Angles> BeamAim::angles_to(int fixture, const glm::dvec3&
         }
       }
     };
-    if (!inner.moves()) {
-      const Turning turning = turning_of([&](double angle) { return head.way_at(outer.param, angle); });
-      take(std::atan2(glm::dot(turning.b, wanted), glm::dot(turning.a, wanted)), 0);
+    if (outer_alone) {
+      take(nearest_angle(turning, wanted, outer.now_rad), 0);
+    } else if (inner_alone) {
+      take(outer.now_rad, nearest_angle(turning, wanted, inner.now_rad));
     } else {
-      const auto way_at = [&](double outer_rad, double inner_rad) {
-        head.angle(inner.param) = inner_rad;
-        return head.way_at(outer.param, outer_rad);
-      };
-      const glm::dvec3 axis = outer_axis_of(way_at);
-      const Turning turning = turning_of([&](double angle) { return way_at(0, angle); });
-      for (const double inner_rad : slopes_to(turning, axis, glm::dot(wanted, axis))) {
+      for (const double inner_rad : slopes_to(turning, axis, glm::dot(wanted, axis), inner.now_rad)) {
         const auto turn = turn_from(way_at(0, inner_rad), wanted, axis);
         take(turn.value_or(outer.now_rad), inner_rad);
+      }
+      // Out of reach: at an end of the outer range another inner angle may come nearer.
+      for (const double end_rad : {outer.from_rad, outer.to_rad}) {
+        if (best.off_rad < kReached) break;
+        const Turning at_end = turning_of([&](double angle) { return way_at(end_rad, angle); });
+        take(end_rad, nearest_angle(at_end, wanted, inner.now_rad));
       }
     }
     if (!(best.off_rad < 1e30)) return std::nullopt;

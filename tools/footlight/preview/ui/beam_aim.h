@@ -1,8 +1,9 @@
 // Where the beam of a fixture goes, and the pan and tilt that send it to a point of the stage. No Dear ImGui.
 //
 // The angles are computed in closed form for a joint that moves another one, then again from where the lens is with
-// them, eight times: tests/tools/footlight/beam_aim_test.cpp has the error, which is that of the channels' steps. A
-// definition whose joints are sheared or scaled unequally is aimed beside the point.
+// them, until the lens moves less than 1e-6 m, at most eight times: tests/tools/footlight/beam_aim_test.cpp has the
+// error, which is that of the channels' steps, and the cost. A definition whose joints are sheared or scaled unequally
+// is aimed beside the point.
 #pragma once
 
 #include <cstddef>
@@ -41,6 +42,8 @@ class BeamAim {
   // reaches with the least turning. Nothing if moves() is false or the point is at the lens.
   [[nodiscard]] std::optional<Angles> angles_to(int fixture, const glm::dvec3& point_m,
                                                 std::span<const std::uint8_t> levels);
+  // How many beams were computed so far: what the calls cost.
+  [[nodiscard]] std::size_t computed() const;
 
  private:
   struct State;

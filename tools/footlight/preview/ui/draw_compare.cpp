@@ -28,17 +28,18 @@ void draw_go(const UiInput& input, const KeptLevels& kept) {
 
 }  // namespace
 
-void CompareView::take(const UiDesk& desk, const UiInput& input, bool frozen) {
+bool CompareView::take(const UiDesk& desk, const UiInput& input, bool frozen) {
   const LevelComparison& both = desk.comparison();
-  if (!both.a) {
-    difference_ = {};
-    return;
+  if (!both.a || both.b) {
+    difference_ = both.a ? compare_moments(both.a->moment, both.b->moment) : MomentDifference{};
+    a_.reset();
+    return false;
   }
-  if (both.b) {
-    difference_ = compare_moments(both.a->moment, both.b->moment);
-  } else if (!frozen) {
-    difference_ = compare_moments(both.a->moment, LevelView(desk.compiled().universes, input.levels));
-  }
+  const bool same = a_ && *a_ == both.a->moment;
+  if (frozen && same) return false;
+  difference_ = compare_moments(both.a->moment, LevelView(desk.compiled().universes, input.levels));
+  if (!same) a_ = both.a->moment;
+  return frozen;
 }
 
 void CompareView::draw_row(UiDesk& desk, const UiInput& input, Universe universe) {

@@ -11,8 +11,9 @@ namespace footlight::tools {
 
 class CompareView {
  public:
-  // Compares anew, unless `frozen`: then what was compared last stays.
-  void take(const UiDesk& desk, const UiInput& input, bool frozen);
+  // Compares anew, unless `frozen`: then what was compared last stays, until A or B is another one. True: it is frozen
+  // and compared anew.
+  bool take(const UiDesk& desk, const UiInput& input, bool frozen);
   // The buttons, while there is a moment A; `universe` is the one that is shown.
   void draw_row(UiDesk& desk, const UiInput& input, Universe universe);
   // The slots that differ. A click on one selects its fixture and shows its universe, an index into those of the rig.
@@ -22,6 +23,7 @@ class CompareView {
 
  private:
   MomentDifference difference_;
+  std::optional<LevelMoment> a_;  // that was compared with now last; nothing: B was a kept moment, or there was no A
 };
 
 }  // namespace footlight::tools

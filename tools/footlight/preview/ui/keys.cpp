@@ -138,4 +138,22 @@ bool acts_always(const KeyPress& press) {
   return call && call->action == A::kBlackout;
 }
 
+KeyTurn turn_of(const KeyPress& press, const KeyHolders& holders) {
+  const auto call = call_of(press);
+  if (!call) return KeyTurn::kNothing;
+  if (acts_always(press)) return KeyTurn::kActs;
+  if (holders.text) return KeyTurn::kNothing;
+  const A action = call->action;
+  if (action == A::kBlackout || action == A::kEndBlackout || action == A::kDisarm) return KeyTurn::kActs;
+  if (holders.drag) return action == A::kEscape ? KeyTurn::kCancelsDrag : KeyTurn::kNothing;
+  return holders.question && action != A::kEscape ? KeyTurn::kNothing : KeyTurn::kActs;
+}
+
+const KeyPress* canceling_key(std::span<const KeyPress> keys, const KeyHolders& holders) {
+  for (const KeyPress& key : keys) {
+    if (turn_of(key, holders) == KeyTurn::kCancelsDrag) return &key;
+  }
+  return nullptr;
+}
+
 }  // namespace footlight::tools

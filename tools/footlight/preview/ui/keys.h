@@ -24,9 +24,9 @@ enum class UiAction {
   kHandles,  // that move and aim the selection in the picture
   kNudge,    // moves the selection; argument: nudge_axis()
   kCamera,   // argument: its index
-  kMeasure,     // clicks measure distances
+  kMeasure,  // clicks measure distances
   kFloorLines,
-  kCompare,     // keeps this moment, to compare it with now
+  kCompare,  // keeps this moment, to compare it with now
   kEndCompare,
   kWorkLight,
   kBrighter,
@@ -81,6 +81,18 @@ struct KeyRow {
 [[nodiscard]] std::optional<UiCall> call_of(const KeyPress& press);
 // Whether a key acts while text is typed or a question is open: the blackout key that types nothing.
 [[nodiscard]] bool acts_always(const KeyPress& press);
+
+// What has the keys in one picture, and what a key does then.
+struct KeyHolders {
+  bool text = false;      // a field of text, or the palette
+  bool question = false;  // whether to close
+  bool drag = false;      // of a handle
+};
+enum class KeyTurn { kNothing, kActs, kCancelsDrag };
+// Keys of outputs (blackout, its end, disarm) act during a drag and a question as well.
+[[nodiscard]] KeyTurn turn_of(const KeyPress& press, const KeyHolders& holders);
+// The first key that cancels a drag; nullptr: there is none.
+[[nodiscard]] const KeyPress* canceling_key(std::span<const KeyPress> keys, const KeyHolders& holders);
 
 // What the mouse does, for the list.
 struct MouseRow {

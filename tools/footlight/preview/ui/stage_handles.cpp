@@ -146,6 +146,7 @@ void StageHandles::begin(HandlePart part, const HandleInput& input) {
   moves_ = snaps_ = takes_over_ = turns_fixtures_ = false;
   off_rad_ = 0;
   left_ = 0;
+  aimed_m_.reset();
   begun_at_ = input.mouse;
   if (part == HandlePart::kAim) {
     target_m_ = aim_shape_->point_m;
@@ -177,12 +178,13 @@ void StageHandles::drag(UiDesk& desk, const HandleInput& input) {
   if (!target) target = on_plane(ray, target_m_, input.place.view.forward);
   if (!target) return;
   if (snaps_) {
-    for (int axis = 0; axis < 3; ++axis) (*target)[axis] = snapped((*target)[axis], kSnapM);
+    for (int axis = 0; axis < 2; ++axis) (*target)[axis] = snapped((*target)[axis], kSnapM);
   }
   target_m_ = *target;
   const int lead = selection_.lead;
   turns_fixtures_ = !aim_->moves(lead);
-  if (turns_fixtures_) return;
+  if (turns_fixtures_ || aimed_m_ == target_m_) return;
+  aimed_m_ = target_m_;
   AimCommand aimed = aim_command(*aim_, desk.rig(), desk.index(), selection_.fixtures, target_m_, input.levels);
   off_rad_ = aimed.off_rad;
   left_ = aimed.left;

@@ -100,10 +100,11 @@ class StageHandles {
   bool moves_ = false;       // the mouse has left the place where the button went down
   bool snaps_ = false;
   glm::dvec3 moved_m_{0};
-  glm::dvec3 target_m_{0};       // of aiming
-  bool turns_fixtures_ = false;  // it aims fixtures that move no head
-  bool takes_over_ = false;      // something was taken over by it
-  double off_rad_ = 0;           // of AimCommand
+  glm::dvec3 target_m_{0};             // of aiming
+  std::optional<glm::dvec3> aimed_m_;  // to which the heads were sent last
+  bool turns_fixtures_ = false;        // it aims fixtures that move no head
+  bool takes_over_ = false;            // something was taken over by it
+  double off_rad_ = 0;                 // of AimCommand
   int left_ = 0;
 };
 

@@ -48,7 +48,7 @@ class UniversesPanel final : public Panel {
     }
     shown_ = std::min(shown_, universes.size() - 1);
     draw_choice(desk, input);
-    compare_.take(desk, input, frozen_);
+    if (compare_.take(desk, input, frozen_)) fresh_ = true;  // the grid shows the levels that were compared
     take(desk, input);
     draw_source(desk, input);
     compare_.draw_row(desk, input, universes[shown_]);
