@@ -142,6 +142,7 @@ TEST_CASE("edges of 24 bodies in one tile are nearer to a picture with 4 x 4 pix
   for (int i = 0; i < 24; ++i) {
     scene.rig.fixtures.push_back(first);
     scene.rig.fixtures.back().name = "Head " + std::to_string(i + 1);
+    scene.rig.fixtures.back().address = 1 + 20 * i;
     scene.rig.fixtures.back().position_m = {0.35 * (i % 6), 0.3 * (i % 5), 5 + 0.35 * (i / 6)};
   }
   scene.compile();
