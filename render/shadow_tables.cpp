@@ -88,7 +88,9 @@ std::uint32_t suited_map_px(const MemoryShape& shape, std::uint64_t range_bytes)
   if (!has_shadows(shape.needs, shape.settings)) return 0;
   std::uint32_t px = shape.settings.shadow_map_px;
   if (px == kShadowsSuited) {
-    px = shape.compiled.beams_max * std::uint64_t{planned_occluders(shape)} > kExactPairsMax ? kMapUsualPx : 0;
+    // Of the rows kept for mirrors few are lit at a time: they do not decide.
+    const std::uint64_t beams = shape.compiled.beams_max - shape.compiled.mirror_rows;
+    px = beams * planned_occluders(shape) > kExactPairsMax ? kMapUsualPx : 0;
   }
   while (px >= kMapLeastPx && map_bytes(shape, px) > std::min<std::uint64_t>(FL_MAP_BYTES_MAX, range_bytes)) px /= 2;
   return px >= kMapLeastPx ? px : 0;
@@ -102,12 +104,10 @@ Status make_shadow_tables(vk::Device& device, const MemoryShape& shape,
             vk::Buffer::device_local(device, shadow_list_bytes(shape), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   const std::uint64_t range = device.limits().maxStorageBufferRange;
   r.shadow_map_px = suited_map_px(shape, range);
-  FL_ASSIGN(r.shadow_maps,
-            vk::Buffer::device_local(device, r.shadow_map_px > 0 ? map_bytes(shape, r.shadow_map_px) : 4,
-                                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+  FL_ASSIGN(r.shadow_maps, vk::Buffer::device_local(device, r.shadow_map_px > 0 ? map_bytes(shape, r.shadow_map_px) : 4,
+                                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   const std::uint64_t most = range / sizeof(ShadowRow) * sizeof(ShadowRow);
-  const std::uint64_t bytes =
-      r.shadow_map_px > 0 ? sizeof(ShadowRow) : std::min(exact_bytes(shape, rows.size()), most);
+  const std::uint64_t bytes = r.shadow_map_px > 0 ? sizeof(ShadowRow) : std::min(exact_bytes(shape, rows.size()), most);
   FL_ASSIGN(r.shadows, vk::Buffer::device_local(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   return device.run_once([&](VkCommandBuffer commands) {
     vkCmdFillBuffer(commands, r.shadow_lists.handle, 0, VK_WHOLE_SIZE, 0);

@@ -93,12 +93,16 @@ void add_mirrored(const fixtures::Rig& rig, fixtures::f64::Walker& walker, std::
     const fixtures::FixtureType& type = rig.types[static_cast<std::size_t>(source.type)];
     const fixtures::Mode& mode = type.modes[static_cast<std::size_t>(source.mode)];
     const fixtures::Geometry& geometry = mode.geometries[static_cast<std::size_t>(source.geometry)];
-    const fixtures::MirrorBall& ball = type.mirror_balls[static_cast<std::size_t>(geometry.mirror_ball)];
+    fixtures::MirrorBall ball = type.mirror_balls[static_cast<std::size_t>(geometry.mirror_ball)];
+    const double scale = fixtures::ball_scale(rig.fixtures[row.fixture]);
+    const std::vector<glm::dvec3> normals = fixtures::mirror_normals(ball);
+    ball.diameter_m *= scale;
+    ball.mirror_m *= scale;
     const auto pose = walker.beam_pose(row, compiled.types[row.type], walker.states[head]);
     const glm::dmat3 turn(glm::dvec3(pose.x_axis), -glm::dvec3(pose.y_axis), -glm::dvec3(pose.axis));
     for (std::size_t i = 0; i < lamps.size(); ++i) {
       if (heads[i] != pair.head) continue;
-      for (const glm::dvec3& normal : fixtures::mirror_normals(ball)) {
+      for (const glm::dvec3& normal : normals) {
         add_mirror(lamps[i], ball, pose.lens_m, turn * normal, scene);
         add_mirror(lamps[i], ball, pose.lens_m, -(turn * normal), scene);
       }

@@ -111,6 +111,15 @@ TEST_CASE("shadow maps suit rigs with more than a million pairs, with fewer texe
   CHECK(suited(800, 128) == 128);
   CHECK(suited(900, 0) == 0);
   CHECK(suited(40'000, kShadowsSuited) == 32);
+  // Rows for mirrors do not decide, and exact shadows keep within what lists can number.
+  Scene ball = scene;
+  ball.compiled.beams_max = 40'000;
+  ball.compiled.mirror_rows = 39'200;
+  const FrameSettings usual = judged_settings();
+  REQUIRE(usual.shadow_map_px == kShadowsSuited);
+  const MemoryShape shape{ball.rig, ball.compiled, ball.compiled.needs, usual};
+  CHECK(suited_map_px(shape, FL_MAP_BYTES_MAX) == 0);
+  CHECK(shadow_bytes(shape) == FL_SHADOW_ROWS_MAX * sizeof(ShadowRow));
   CHECK(suited(1000, 64, 5'000'000) == 32);
   CHECK(suited(1000, 64, 1'000'000) == 0);
   FrameSettings off = judged_settings();
