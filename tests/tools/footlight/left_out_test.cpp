@@ -100,7 +100,7 @@ TEST_CASE("without runs nothing is timed, and the bytes are the same") {
   }
   // Nothing has a gobo, haze is even, there is no laser, sun or display, and judged pictures have no reflected light.
   CHECK(passes ==
-        std::set<std::string>{"gobos", "haze", "lasers", "mirrors", "shafts", "displays", "strips", "bounce"});
+        std::set<std::string>{"gobos", "gloss", "haze", "lasers", "mirrors", "shafts", "displays", "strips", "bounce"});
   CHECK(row_of(rows, "gobo", false).bytes > 0);
   CHECK((text_of(rows, "beams").find("not timed") != std::string::npos));
 }
