@@ -41,8 +41,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
                                              const PassList& passes) {
   std::unique_ptr<Frame> frame(new Frame(device, passes));
   FL_TRY(frame->check_settings(settings));
-  // The tables are those of every setting that change() may bring.
-  FrameSettings widest = settings;
+  FrameSettings widest = settings;  // the tables are those of every setting that change() may bring
   widest.haze = true;
   widest.method = BeamMethod::kGauss;
   widest.gobo_method = GoboMethod::kTables;
