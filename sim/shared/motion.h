@@ -138,6 +138,12 @@ FL_FN Motor motor_start(Real position) {
   return motor;
 }
 
+// Where a motor stops if it brakes now; the same from each moment of the braking.
+FL_FN Real motor_stop(Motor motor, Real acceleration_max) {
+  if (!(acceleration_max > Real(0))) return motor.now.position;
+  return motor.now.position + motor.now.speed * abs(motor.now.speed) / (Real(2) * acceleration_max);
+}
+
 // The target of a wheel, which repeats every `period`: the nearest of the equivalent positions. It is chosen when the
 // target changes and kept while the wheel moves, so that the direction does not depend on the steps.
 FL_FN Real motor_nearest(Motor motor, Real target, Real period) {
