@@ -130,6 +130,15 @@ void randomise(std::vector<std::uint8_t>& levels, Random& random) {
   for (auto& level : levels) level = static_cast<std::uint8_t>(random.next());
 }
 
+// Colours between two slots of a wheel are the driver's acos, up to 5e-6 from the walker's. So the scanner, the only
+// built-in type with such a wheel, keeps its own.
+void keep_colors(Scene& scene) {
+  for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
+    const auto type = static_cast<std::size_t>(scene.rig.fixtures[i].type);
+    if (scene.rig.types[type].id == "generic/scanner") scene.set(i, "Color1", 0);
+  }
+}
+
 // Resets the states to those before the first step.
 void reset_states(vk::Device& device, Frame& frame) {
   must(device.run_once([&](VkCommandBuffer commands) { forget_states(commands, frame.resources()); }));
@@ -198,7 +207,10 @@ TEST_CASE("motors, strobes and gobos follow the walker over steps of every lengt
     int strobing = 0;
     const std::int64_t lengths_ns[] = {0, 1, kMs, 22'727'272, 40 * kMs, 200 * kMs, 60'000 * kMs, 5'000'000'000'123};
     for (int round = 0; round < 400; ++round) {
-      if (random.below(8) == 0) randomise(scene.levels, random);
+      if (random.below(8) == 0) {
+        randomise(scene.levels, random);
+        keep_colors(scene);
+      }
       const std::int64_t dt_ns = lengths_ns[random.below(round % 40 == 0 ? std::size(lengths_ns) : 6)];
       const bool new_exposure = random.below(3) != 0;
       frame->step(scene.levels, dt_ns, new_exposure);
