@@ -96,7 +96,7 @@ TEST_CASE("on a machine without the group plugdev the advised command creates it
   }
 }
 
-TEST_CASE("the reason of a device without its module names the module; loading it makes the device ready") {
+TEST_CASE("the reason of a device without its module names the module, loading it makes the device ready") {
   const std::pair<const char*, const char*> cases[] = {{"dmx4all", "cdc_acm"}, {"nodle", "usbhid"}};
   for (const auto& [driver, module] : cases) {
     CAPTURE(driver);

@@ -96,7 +96,7 @@ struct World {
 
 }  // namespace
 
-TEST_CASE("only the slots that were set belong to the hand; a released slot is the console's again") {
+TEST_CASE("only the slots that were set belong to the hand, a released slot is the console's again") {
   World world;
   world.give(10);
   world.apply(set({level(1, 17, 255), level(1, 18, 0)}));
@@ -233,7 +233,7 @@ TEST_CASE("a number in two slots fades as one: the bytes never contradict each o
   CHECK(before == 0x1302);
 }
 
-TEST_CASE("a level that is set during a fade stays; the rest of the command fades on") {
+TEST_CASE("a level that is set during a fade stays, the rest of the command fades on") {
   World world;
   world.apply(set({level(1, 1, 255), level(1, 2, 255)}, kNsPerS));
   world.run_for(kNsPerS / 2);

@@ -607,7 +607,7 @@ TEST_CASE("with per-address priorities a sender claims only the slots that it se
   CHECK(stage.level(25) == 10);
 }
 
-TEST_CASE("taking control: levels first, then the priority; releasing it: priority 0") {
+TEST_CASE("taking control: levels first, then the priority, releasing it: priority 0") {
   Stage stage;
   stage.send(1, 100, 100);
   stage.claim(1, 100);

@@ -874,7 +874,7 @@ TEST_CASE("with main and standby gone the next in the chain gets frames, and res
   }
 }
 
-TEST_CASE("while all are gone no sink gets frames and nothing spins; the first one back gets every snapshot") {
+TEST_CASE("while all are gone no sink gets frames and nothing spins, the first one back gets every snapshot") {
   Chain chain;
   for (FakeSink* sink : {&chain.first, &chain.second, &chain.third}) sink->send_error = "no";
   chain.start();
@@ -981,7 +981,7 @@ TEST_CASE("a source added while the pump runs delivers at once, and a removed on
 }
 
 TEST_CASE(
-    "a sink added while the pump runs gets every snapshot in that step; a removed one gets its last snapshot and is "
+    "a sink added while the pump runs gets every snapshot in that step, a removed one gets its last snapshot and is "
     "closed") {
   World world;
   FakeSource source(world.waiter, "desk", {1, 2});

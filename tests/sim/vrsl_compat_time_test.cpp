@@ -83,7 +83,7 @@ TEST_CASE("code 51 is solid and code 52 strobes, so that the low tier is never s
   CHECK(open_share(52) == doctest::Approx(0.5).epsilon(0.02));
 }
 
-TEST_CASE("the tiers flash 7.16 and 10.35 times a second; dynamic strobes 29.4 and 6.0") {
+TEST_CASE("the tiers flash 7.16 and 10.35 times a second, dynamic strobes 29.4 and 6.0") {
   const auto flashes = [&](const VrslSettings& settings, int level) {
     const auto strobe = std::make_unique<VrslStrobe>(settings);
     int count = 0;

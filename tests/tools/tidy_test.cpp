@@ -390,6 +390,20 @@ TEST_CASE("every test file has a test, and no two tests of one program share a n
   check_none(offences);
 }
 
+TEST_CASE("no name of a test has a semicolon: CTest would run the part before it, which is no test") {
+  const std::regex name(R"re(TEST_CASE(?:_TEMPLATE)?\(\s*((?:"(?:[^"\\]|\\.)*"\s*)+))re");
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    if (!starts_with(file.path, "tests/") || !ends_with(file.path, "_test.cpp")) continue;
+    std::string text;
+    for (const std::string& line : file.lines) text += line + "\n";
+    for (std::sregex_iterator at(text.begin(), text.end(), name), end; at != end; ++at) {
+      if (at->str(1).find(';') != std::string::npos) offences.push_back(file.path + ": " + at->str(1));
+    }
+  }
+  check_none(offences);
+}
+
 TEST_CASE("every package is listed once, with its reason") {
   std::vector<std::string> offences;
   const std::regex line_form(R"(([a-z0-9][a-z0-9+.-]+)\s+# \S.*)");

@@ -161,7 +161,7 @@ TEST_CASE("senders that are four percent fast or slow are decoded to the last sl
   }
 }
 
-TEST_CASE("a gap is never negative at any sample rate; a fast sender or one stop bit shows in the pitch") {
+TEST_CASE("a gap is never negative at any sample rate, a fast sender or one stop bit shows in the pitch") {
   for (const std::uint64_t rate_hz : std::initializer_list<std::uint64_t>{1'000'000, 3'000'000, 24'000'000}) {
     for (const double bit_ns : {3'920.0, 3'990.0, 4'000.0}) {
       for (const int stop_bits : {1, 2}) {

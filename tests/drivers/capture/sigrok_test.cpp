@@ -86,7 +86,7 @@ TEST_CASE("a capture in one file or in many, divided inside frames, gives the fr
   }
 }
 
-TEST_CASE("the channel with the levels is found; a selected one is used, by name or number, as it is or inverted") {
+TEST_CASE("the channel with the levels is found, a selected one is used, by name or number, as it is or inverted") {
   const TempFolder folder;
   ZipWriter zip;
   zip.add("metadata", metadata_text("1 MHz"));

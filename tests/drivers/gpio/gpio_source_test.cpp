@@ -282,7 +282,7 @@ TEST_CASE("the whole frame is repeated before any sender times out") {
     CHECK(bench.frames.frames[i].view.stamp_ns - bench.frames.frames[i - 2].view.stamp_ns < kNsPerS);
 }
 
-TEST_CASE("unplugged: off at once, gone with the reason; plugged in: back within a second with the current level") {
+TEST_CASE("unplugged: off at once, gone with the reason, plugged in: back within a second with the current level") {
   GpioConfig config = config_of({"17"});
   config.strobe.flashes_hz_max = 0;
   Bench bench(config);

@@ -244,7 +244,7 @@ TEST_CASE("an overflow of the kernel's queue leaves no lamp on") {
   CHECK(frames.level == 0);
 }
 
-TEST_CASE("unplugging a chip turns its slots off; plugged in again it works") {
+TEST_CASE("unplugging a chip turns its slots off, plugged in again it works") {
   Machine machine;
   Bridge bridge(machine, config_of({"0"}));
   for (int round = 0; round < 3; ++round) {

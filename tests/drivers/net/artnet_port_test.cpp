@@ -91,7 +91,7 @@ TEST_CASE("universes of the show are renumbered to port addresses across the bor
   CHECK(source->details().other_universe == 1);
 }
 
-TEST_CASE("Art-Net frames without a number, or with a constant one, are all accepted; late ones are not") {
+TEST_CASE("Art-Net frames without a number, or with a constant one, are all accepted, late ones are not") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options({{1, 1}})));
   const Fd socket = must(open_sender({"test", 0}));

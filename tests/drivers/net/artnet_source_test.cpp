@@ -144,7 +144,7 @@ TEST_CASE("a targeted poll is answered for its range only, and not outside of it
   CHECK(received(console).empty());
 }
 
-TEST_CASE("a subscriber to changes gets replies when a universe starts, is merged and ends; others do not") {
+TEST_CASE("a subscriber to changes gets replies when a universe starts, is merged and ends, others do not") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options(universes_from(1, 2, 1))));
   const Fd curious = stranger(0x7F00'0009, 0), plain = stranger(0x7F00'000A, 0);

@@ -220,7 +220,7 @@ TEST_CASE("a sink announces its universes after 1 s and then every 10 s, in page
 }
 
 TEST_CASE(
-    "a sink without the announce option, or with addresses, does not announce; nor does any before its first frame") {
+    "a sink without the announce option, or with addresses, does not announce, nor does any before its first frame") {
   if (!enter_private_network()) return;
   Eavesdropper eavesdropper(kSacnDiscoveryUniverse);
   auto silent = sink_options(1);

@@ -309,7 +309,7 @@ TEST_CASE("an unchanged frame is sent three more times and then every 900 ms") {
   for (const auto& frame : receiver.frames) CHECK(frame.slots == levels);
 }
 
-TEST_CASE("sending the same levels again and again sends them four times; a change starts again") {
+TEST_CASE("sending the same levels again and again sends them four times, a change starts again") {
   if (!enter_private_network()) return;
   auto sink = must(SacnSink::create(sink_options({{1, 1}})));
   auto levels = test_levels(1, 0);

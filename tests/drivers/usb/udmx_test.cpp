@@ -39,7 +39,7 @@ TEST_CASE("transfer times match the published rates: 15 frames a second of 512 s
   CHECK(udmx_transfer_ns(1) == 3 * kNsPerMs);
 }
 
-TEST_CASE("nothing changed: nothing to send; one slot changed: that slot") {
+TEST_CASE("nothing changed: nothing to send, one slot changed: that slot") {
   Slots known{}, wanted{};
   CHECK(ranges_of(known, wanted).empty());
   wanted[300] = 1;

@@ -116,7 +116,7 @@ double apart(Start start, Step step, Limits limits_of) {
   return worst;
 }
 
-TEST_CASE("motors with corrected quotients match float to the bit; without the correction, an H100 was 7e-5 rad off") {
+TEST_CASE("motors with corrected quotients match float to the bit, without the correction, an H100 was 7e-5 rad off") {
   const auto limits = [](double range, double fade_s, double acceleration_s) {
     const f32::MotorLimits exact =
         f32::motor_limits(static_cast<float>(range), static_cast<float>(fade_s), static_cast<float>(acceleration_s));

@@ -220,7 +220,7 @@ void check_edges() {
   CHECK(same(axis_step(axis, Real(3), Real(2), Real(8), Real(0.01))));
 }
 
-TEST_CASE("no time, bad time and bad limits leave the axis alone; a long time brings it to the target") {
+TEST_CASE("no time, bad time and bad limits leave the axis alone, a long time brings it to the target") {
   check_edges<Float>();
   check_edges<Double>();
 }

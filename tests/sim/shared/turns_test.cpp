@@ -215,7 +215,7 @@ TEST_CASE("fixtures start at their own phases and keep their distance") {
   CHECK(number(b.phase) - number(a.phase) == std::uint64_t{1} << 62);
 }
 
-TEST_CASE_TEMPLATE("no time and NaN targets do not change a spin; a long time reaches the target", T, Float, Double) {
+TEST_CASE_TEMPLATE("no time and NaN targets do not change a spin, a long time reaches the target", T, Float, Double) {
   using Real = typename T::Real;
   Spinner<T> spinner;
   spinner.step(3, words(kSecondNs / 3));

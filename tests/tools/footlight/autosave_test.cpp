@@ -50,7 +50,7 @@ TEST_CASE("a change is copied three seconds later, also if changes do not end") 
   CHECK(copy_count(state) == 1);
 }
 
-TEST_CASE("undone to what is saved, or saved, there is no copy; and none is left at the end") {
+TEST_CASE("undone to what is saved, or saved, there is no copy, and none is left at the end") {
   const TempFolder folder;
   const std::string state = folder.file("state");
   RigFile file = opened_file(folder.write("club.toml", kCommentedRig));

@@ -18,13 +18,13 @@ using testing::compiled_rig;
 using testing::kUiRig;
 using testing::parsed_rig;
 
-struct CompareUi {
+struct CompareUi : testing::DrawnUi {
   CompareUi() : rig(compiled_rig(parsed_rig(kUiRig))), desk(rig.rig, rig.compiled) {
     levels.resize(rig.compiled.universes.size() * kSlotCountMax);
     open.set_open(1, true, desk);
     for (int i = 0; i < 3; ++i) frame();
   }
-  void frame() {
+  void frame() override {
     UiInput input;
     input.levels = levels;
     input.now_ns = now_ns += kNsPerS / 60;
@@ -35,27 +35,12 @@ struct CompareUi {
     if (logs) ImGui::LogFinish();
     ImGui::Render();
   }
-  std::string words() {
-    logs = true;
-    frame();
-    logs = false;
-    return ImGui::GetClipboardText();
-  }
-  void click(float x, float y) {
-    ImGuiIO& io = ImGui::GetIO();
-    io.MousePos = {x, y};
-    frame();
-    io.MouseDown[0] = true;
-    frame();
-    io.MouseDown[0] = false;
-    frame();
-  }
   // Clicks until `done`, over a part of the window.
   template <class Done>
   bool search(float from_x, float to_x, float from_y, float to_y, Done done) {
     for (float y = from_y; y < to_y; y += 7) {
       for (float x = from_x; x < to_x; x += 12) {
-        click(x, y);
+        press(x, y);
         if (done()) return true;
       }
     }
@@ -72,7 +57,6 @@ struct CompareUi {
   Transport* transport = nullptr;
   std::vector<std::uint8_t> levels;
   TimeNs now_ns = kNsPerS;
-  bool logs = false;
 };
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

@@ -31,7 +31,7 @@ OutputsView two_outputs() {
   return view;
 }
 
-class Ui {
+class Ui : public testing::DrawnUi {
  public:
   explicit Ui(OutputsView* view = nullptr, float width = 1280, float height = 720)
       : imgui(width, height),
@@ -43,7 +43,7 @@ class Ui {
     for (int i = 0; i < 3; ++i) frame();
   }
 
-  void frame() {
+  void frame() override {
     UiInput input;
     input.levels = levels;
     input.status = status;
@@ -56,21 +56,6 @@ class Ui {
     if (logs) ImGui::LogFinish();
     ImGui::Render();
   }
-  std::string words() {
-    logs = true;
-    frame();
-    logs = false;
-    return ImGui::GetClipboardText();
-  }
-  void click(float x, float y) {
-    ImGuiIO& io = ImGui::GetIO();
-    io.MousePos = {x, y};
-    frame();
-    io.MouseDown[0] = true;
-    frame();
-    io.MouseDown[0] = false;
-    frame();
-  }
   static ImRect place(const char* window) {
     const ImGuiWindow* found = ImGui::FindWindowByName(window);
     REQUIRE(found != nullptr);
@@ -82,7 +67,7 @@ class Ui {
   bool click_over(ImRect where, bool up, Done done) {
     for (float y = 4; y < where.GetHeight(); y += 6) {
       for (float x = where.Min.x + 16; x < where.Max.x; x += 24) {
-        click(x, up ? where.Max.y - y : where.Min.y + y);
+        press(x, up ? where.Max.y - y : where.Min.y + y);
         if (done()) return true;
       }
     }
@@ -104,7 +89,6 @@ class Ui {
   InputsView* inputs = nullptr;
   const PumpStatus* status = nullptr;
   TimeNs now_ns = kNsPerS;
-  bool logs = false;
 };
 
 TEST_CASE("without outputs the panel says how to add one, and what drives the rig") {

@@ -22,7 +22,7 @@ inline constexpr int kEnter = 13;
 inline constexpr int kEscape = 27;
 
 // A user interface with a mouse and a keyboard, over a rig that can be edited.
-class EditUi {
+class EditUi : public DrawnUi {
  public:
   explicit EditUi(fixtures::Rig rig) : edit(std::move(rig)), desk(edit.desk) {
     ImGuiIO& io = ImGui::GetIO();
@@ -32,7 +32,7 @@ class EditUi {
     io.KeyMap[ImGuiKey_UpArrow] = kUp;
   }
 
-  void frame() {
+  void frame() override {
     const std::vector<std::uint8_t> levels(desk.compiled().universes.size() * kSlotCountMax);
     tools::UiInput input;
     input.levels = levels;
@@ -45,24 +45,9 @@ class EditUi {
     if (logs) ImGui::LogFinish();
     ImGui::Render();
   }
-  std::string words() {
-    logs = true;
-    frame();
-    logs = false;
-    return ImGui::GetClipboardText();
-  }
   void show(std::size_t panel) {
     open.set_open(panel, true, desk);
     for (int i = 0; i < 3; ++i) frame();
-  }
-  void press(float x, float y, int button = 0) {
-    ImGuiIO& io = ImGui::GetIO();
-    io.MousePos = {x, y};
-    frame();
-    io.MouseDown[button] = true;
-    frame();
-    io.MouseDown[button] = false;
-    frame();
   }
   void pause() {
     for (int i = 0; i < 60; ++i) frame();  // clicks after it do not count as double clicks
@@ -111,7 +96,6 @@ class EditUi {
   EditDesk edit;
   tools::UiDesk& desk;
   tools::UiPanels open;
-  bool logs = false;
   bool asks = false;
   std::function<void()> more;  // draws more than panels
   tools::CloseQuestion question;

@@ -313,7 +313,7 @@ TEST_CASE("a reload that adds a universe during a blackout adds it dark") {
   CHECK(bridge.shows(9, 77, 2));
 }
 
-TEST_CASE("a scene is what the bridge merged; recalled, it is set by hand") {
+TEST_CASE("a scene is what the bridge merged, recalled, it is set by hand") {
   const TempFolder folder;
   const Bridge bridge(folder.file("s"));
   const std::string file = folder.file("scenes.toml");

@@ -149,7 +149,7 @@ TEST_CASE("an armed output sends what the picture shows, and the others send not
   CHECK(window.until(17, [&] { return window.view.rows[0].status && window.view.rows[0].status->rate_hz > 30; }));
 }
 
-TEST_CASE("disarming sends zeros, closes the output and sends nothing more; arming again begins with the new levels") {
+TEST_CASE("disarming sends zeros, closes the output and sends nothing more, arming again begins with the new levels") {
   Window window;
   window.view.arm.push_back(0);
   REQUIRE(window.until(200, [&] { return window.wires[0]->last() == 200; }));

@@ -247,7 +247,7 @@ TEST_CASE("diff reports a different level, a missing frame and a late frame sepa
   check_refused(footlight({"log", "diff", a, folder.file("none.pcap")}), {"none.pcap"});
 }
 
-TEST_CASE("timing measures the line as it was made; a rejected frame has its reason and gives exit code 1") {
+TEST_CASE("timing measures the line as it was made, a rejected frame has its reason and gives exit code 1") {
   const TempFolder folder;
   const std::string good = folder.file("good.sr"), bad = folder.file("bad.sr");
   write(good, line_capture(false));

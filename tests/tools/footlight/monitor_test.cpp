@@ -159,7 +159,7 @@ TEST_CASE("names from the network cannot control the terminal") {
   CHECK(printable_utf8("\xE7\x81") == "\xEF\xBF\xBD\xEF\xBF\xBD");  // cut
 }
 
-TEST_CASE("a long line keeps its beginning and end, cut between characters; lines keep their ends") {
+TEST_CASE("a long line keeps its beginning and end, cut between characters, lines keep their ends") {
   CHECK(printable_line("short\n") == "short\xEF\xBF\xBD");
   const std::string as_long = std::string(1900, 'a');
   CHECK(printable_line(as_long) == as_long);

@@ -143,7 +143,7 @@ TEST_CASE("the bounds contain the corners of displays") {
   check_near(bounds_of(rig).high_m, {1, 7, 4});
 }
 
-TEST_CASE("the bounds contain every fixture and the floor under it; without fixtures, the boxes") {
+TEST_CASE("the bounds contain every fixture and the floor under it, without fixtures, the boxes") {
   const fixtures::Rig& demo = fixtures::demo_rig();
   const Bounds bounds = bounds_of(demo);
   CHECK(bounds.low_m.z == 0);

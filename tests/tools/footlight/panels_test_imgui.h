@@ -1,6 +1,8 @@
 // Dear ImGui without a window: it makes the lists that a GPU would draw.
 #pragma once
 
+#include <string>
+
 #include <imgui/imgui.h>
 
 namespace footlight::testing {
@@ -21,6 +23,30 @@ class HeadlessImGui {
   ~HeadlessImGui() { ImGui::DestroyContext(); }
   HeadlessImGui(const HeadlessImGui&) = delete;
   HeadlessImGui& operator=(const HeadlessImGui&) = delete;
+};
+
+// A user interface that a test draws and clicks. frame() draws one frame, into the clipboard if `logs`.
+class DrawnUi {
+ public:
+  virtual ~DrawnUi() = default;
+  virtual void frame() = 0;
+  std::string words() {
+    logs = true;
+    frame();
+    logs = false;
+    return ImGui::GetClipboardText();
+  }
+  void press(float x, float y, int button = 0) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.MousePos = {x, y};
+    frame();
+    io.MouseDown[button] = true;
+    frame();
+    io.MouseDown[button] = false;
+    frame();
+  }
+
+  bool logs = false;
 };
 
 }  // namespace footlight::testing

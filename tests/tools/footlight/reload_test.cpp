@@ -142,7 +142,7 @@ TEST_CASE("a change that the pump has not started before it stops is cancelled, 
   CHECK(dongle("never")->wait_for_claim(false));
 }
 
-TEST_CASE("universes may be added and removed; a snapshot stays while its universe does") {
+TEST_CASE("universes may be added and removed, a snapshot stays while its universe does") {
   Running run(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/f=1"));
   CHECK(gets_frames(*dongle("f"), 3));
   run.must_change("universes = 40\n[merge]\nltp = [1, 30]\n" + in("mock:enttec-pro/in=1") + out("mock:enttec-pro/f=1") +
@@ -190,7 +190,7 @@ void write_show(const TempFolder& folder, const std::string& text) {
   std::filesystem::rename(folder.file("new.toml"), folder.file("show.toml"));
 }
 
-TEST_CASE("SIGHUP reads the show file again; a wrong file is reported and changes nothing") {
+TEST_CASE("SIGHUP reads the show file again, a wrong file is reported and changes nothing") {
   const TempFolder folder;
   const std::string one = in("mock:enttec-pro=1") + out("mock:enttec-pro=1");
   write_show(folder, one);

@@ -56,7 +56,7 @@ TEST_CASE("the report of time prints a JSON row for every method, and writes the
   }
 }
 
-TEST_CASE("rows of a report are printed as they are measured; Ctrl-C keeps them, in complete files, with exit code 0") {
+TEST_CASE("rows of a report are printed as they are measured, Ctrl-C keeps them, in complete files, with exit code 0") {
   const TempFolder folder;
   Footlight report(
       {"report", "--time", "--quick", "--json", "--csv", folder.file("r.csv"), "--svg", folder.file("r.svg")});

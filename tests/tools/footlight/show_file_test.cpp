@@ -446,7 +446,7 @@ TEST_CASE("an option that does not apply to the kind of port is refused, not ign
   CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:1\"\nloop = true\n"), "loop"));
 }
 
-TEST_CASE("a show without outputs is refused with an example of the missing lines; inputs may be missing") {
+TEST_CASE("a show without outputs is refused with an example of the missing lines, inputs may be missing") {
   CHECK(contains(refusal(""), "[[out]]\n  endpoint = "));
   CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:1\"\n"), "[[out]]\n  endpoint = "));
   const auto by_hand = parse_show("[[out]]\nendpoint = \"mock:enttec-pro\"\n", "show.toml");  // levels of `set`
