@@ -130,12 +130,13 @@ void randomise(std::vector<std::uint8_t>& levels, Random& random) {
   for (auto& level : levels) level = static_cast<std::uint8_t>(random.next());
 }
 
-// Colours between two slots of a wheel are the driver's acos, up to 5e-6 from the walker's. So the scanner, the only
-// built-in type with such a wheel, keeps its own.
+// Colours between two slots of a wheel are the driver's acos, up to 5e-6 from the walker's. So the built-in types with
+// such a wheel keep their own.
 void keep_colors(Scene& scene) {
   for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
     const auto type = static_cast<std::size_t>(scene.rig.fixtures[i].type);
-    if (scene.rig.types[type].id == "generic/scanner") scene.set(i, "Color1", 0);
+    const std::string& id = scene.rig.types[type].id;
+    if (id == "generic/scanner" || id == "generic/followspot") scene.set(i, "Color1", 0);
   }
 }
 
