@@ -1,0 +1,521 @@
+// footlight mvr: rigs from consoles and drawing programs over the network, by MVR-xchange.
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <poll.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include "drivers/net/mvr_xchange_group.h"
+#include "drivers/net/mvr_xchange_names.h"
+#include "drivers/net/net.h"
+#include "fixtures/files/export/write_file.h"
+#include "fixtures/files/import/import_rig.h"
+#include "sim/core/counted.h"
+#include "sim/file_kind.h"
+#include "sim/system_clock.h"
+#include "tools/footlight/command.h"
+#include "tools/footlight/mvr/shared_file.h"
+#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/stop_signal.h"
+
+namespace footlight::tools {
+namespace {
+
+using Json = nlohmann::json;
+using drivers::MvrAddress;
+using drivers::MvrClient;
+using drivers::MvrCommit;
+using drivers::MvrGroup;
+using drivers::MvrStation;
+
+constexpr DurationNs kTickNs = 200 * kNsPerMs;  // for timeouts, and for files that change
+constexpr DurationNs kLeaveNs = 2 * kNsPerS;    // for the answers when this program leaves
+
+struct Options {
+  std::vector<std::string> stations;  // addresses
+  std::string station;                // get: name, UUID or address
+  std::string path;                   // share
+  std::string out;
+  std::string file;
+  std::string group;
+  std::string name;
+  std::string comment;
+  int port = 0;
+  DurationNs search_ns = 3 * kNsPerS;
+  std::optional<DurationNs> share_ns;
+  bool json = false;
+  bool overwrite = false;
+};
+
+std::string host_name() {
+  std::array<char, 256> name = {};
+  if (::gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "this machine";
+  return name.data();
+}
+
+// The UUID is the same after every start. The parts of one machine have different ones: a list that ends must not end
+// the membership of a file that is shared.
+MvrStation own_station(const Options& options, const char* part) {
+  const std::string name = options.name.empty() ? "Footlight on " + host_name() : options.name;
+  drivers::SacnSinkOptions digest;
+  digest.source_name = name;
+  digest.name = std::string("mvr-xchange ") + part;
+  return {name, uuid_text(drivers::sacn_cid_of(digest))};
+}
+
+Result<std::vector<MvrAddress>> addresses_of(const Options& options) {
+  std::vector<MvrAddress> addresses;
+  for (const std::string& text : options.stations) {
+    FL_ASSIGN(addresses.emplace_back(), drivers::find_mvr_address(text));
+  }
+  return addresses;
+}
+
+// Null if stations are named: then none is searched for.
+Result<std::unique_ptr<drivers::MvrDiscovery>> open_discovery(const Options& options) {
+  if (!options.stations.empty()) return nullptr;
+  return drivers::open_mvr_discovery();
+}
+
+// Waits for the descriptors, at most a tick.
+void wait_for(std::vector<pollfd>& waiting) {
+  (void)::poll(waiting.data(), waiting.size(), static_cast<int>(kTickNs / kNsPerMs));
+  waiting.clear();
+}
+
+// Sends the leave to all, and waits for the answers.
+void leave(MvrGroup& group, drivers::MvrServer* server, Clock& clock) {
+  const TimeNs end_ns = clock.now_ns() + kLeaveNs;
+  group.leave(clock.now_ns());
+  std::vector<pollfd> waiting;
+  while (group.busy() && clock.now_ns() < end_ns) {
+    group.add_descriptors(waiting);
+    if (server != nullptr) server->add_descriptors(waiting);
+    wait_for(waiting);
+    group.step(clock.now_ns());
+    if (server != nullptr) server->step(clock.now_ns());
+  }
+}
+
+std::string size_text(std::uint64_t bytes) {
+  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
+  if (bytes < 10'000'000) return fmt::format("{:.0f} kB", static_cast<double>(bytes) / 1e3);
+  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
+}
+
+std::string commit_text(const MvrCommit& commit) {
+  std::string text = size_text(commit.file_bytes);
+  if (!commit.file_name.empty()) text += "  " + printable_line(commit.file_name);
+  if (!commit.comment.empty()) text += "  \"" + printable_line(commit.comment) + "\"";
+  return text;
+}
+
+Json json_of(const MvrCommit& commit) {
+  return {{"file_uuid", printable_utf8(commit.file_uuid)},
+          {"file_name", printable_utf8(commit.file_name)},
+          {"comment", printable_utf8(commit.comment)},
+          {"bytes", commit.file_bytes},
+          {"station_uuid", printable_utf8(commit.station_uuid)},
+          {"version", fmt::format("{}.{}", commit.version_major, commit.version_minor)}};
+}
+
+void print_station(const MvrGroup::Member& member, bool json) {
+  const auto& station = member.station;
+  if (json) {
+    Json line = {{"name", printable_utf8(station.name)},
+                 {"uuid", printable_utf8(station.uuid)},
+                 {"group", printable_utf8(station.group)},
+                 {"address", text_of(station.address)},
+                 {"provider", printable_utf8(member.peer.provider)},
+                 {"joined", member.joined},
+                 {"files", Json::array()}};
+    if (!member.trouble.empty()) line["trouble"] = printable_utf8(member.trouble);
+    for (const MvrCommit& commit : member.peer.commits) line["files"].push_back(json_of(commit));
+    fmt::print("{}\n", line.dump());
+    return;
+  }
+  fmt::print("{}  {}{}{}\n", printable_line(station.name), text_of(station.address),
+             member.peer.provider.empty() ? "" : "  " + printable_line(member.peer.provider),
+             station.group.empty() ? "" : "  group " + printable_line(station.group));
+  if (!member.trouble.empty()) fmt::print("  {}\n", printable_line(member.trouble));
+  if (member.joined && member.peer.commits.empty()) fmt::print("  no files\n");
+  for (const MvrCommit& commit : member.peer.commits) {
+    fmt::print("  {}  {}\n", printable_line(commit.file_uuid), commit_text(commit));
+  }
+}
+
+bool names_station(const MvrGroup::Member& member, const std::string& text) {
+  return drivers::same_ascii(member.station.name, text) || drivers::same_uuid(member.station.uuid, text) ||
+         text_of(member.station.address) == text;
+}
+
+// Joins what is there until the time is over. Returns at once when the one that is searched for has answered, or when
+// all named stations have.
+void search(const Options& options, MvrGroup& group, bool discovers, StopSignal& signal, Clock& clock) {
+  const TimeNs end_ns = clock.now_ns() + options.search_ns;
+  std::vector<pollfd> waiting;
+  while (!signal.came()) {
+    group.step(clock.now_ns());
+    const auto& members = group.members();
+    const bool found = !options.station.empty() && std::any_of(members.begin(), members.end(), [&](const auto& one) {
+      return one.joined && names_station(one, options.station);
+    });
+    // A station that was found in time has its own timeout for the answer.
+    const bool over = !discovers || clock.now_ns() >= end_ns;
+    if (found || (over && !group.busy())) return;
+    group.add_descriptors(waiting);
+    wait_for(waiting);
+  }
+}
+
+Result<int> list_stations(const Options& options) {
+  FL_ASSIGN(const auto addresses, addresses_of(options));
+  FL_ASSIGN(const auto discovery, open_discovery(options));
+  MvrStation self = own_station(options, "list");
+  MvrGroup group(self, discovery.get(), options.group, addresses);
+  SystemClock clock;
+  StopSignal signal;
+  search(options, group, discovery != nullptr, signal, clock);
+  bool any = false;
+  for (const auto& member : group.members()) {
+    print_station(member, options.json);
+    any = any || member.joined;
+  }
+  leave(group, nullptr, clock);
+  if (any) return kExitOk;
+  if (group.members().empty()) {
+    fmt::print(stderr,
+               "footlight: no station of MVR-xchange was found; switch it on there, in the same network, or name the "
+               "station with --station ADDRESS:PORT\n");
+  }
+  return kExitNotFound;
+}
+
+// The file beside its target, until it is whole and is a rig.
+class PartFile final : public drivers::MvrFileSink {
+ public:
+  explicit PartFile(std::string path)
+      : path_(std::move(path)), part_(fixtures::part_name(path_)), shows_(::isatty(STDERR_FILENO) != 0) {}
+  ~PartFile() override {
+    if (file_ == nullptr && !closed_) return;
+    if (file_ != nullptr) std::fclose(file_);
+    std::remove(part_.c_str());
+  }
+  PartFile(const PartFile&) = delete;
+  PartFile& operator=(const PartFile&) = delete;
+
+  Status open() {
+    file_ = std::fopen(part_.c_str(), "wbx");
+    if (file_ != nullptr) return {};
+    return fail(ErrorCode::kIo, "{}: cannot be written ({}); choose a folder that exists and is yours", path_,
+                std::strerror(errno));
+  }
+
+  Status write(std::span<const std::uint8_t> bytes, std::uint64_t total_bytes) override {
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) return failed();
+    bytes_ += bytes.size();
+    const int percent = static_cast<int>(bytes_ * 100 / std::max<std::uint64_t>(total_bytes, 1));
+    if (shows_ && percent != percent_) fmt::print(stderr, "\rfootlight: {} %\033[K", percent);
+    if (shows_ && percent == 100) fmt::print(stderr, "\r\033[K");
+    percent_ = percent;
+    return {};
+  }
+
+  // Reads it as a rig and gives it its name. Returns a line about the rig.
+  Result<std::string> finish() {
+    const bool written = std::fflush(file_) == 0 && ::fsync(::fileno(file_)) == 0;
+    closed_ = true;
+    if (std::fclose(std::exchange(file_, nullptr)) != 0 || !written) return failed();
+    FL_ASSIGN(std::string line, check_mvr(part_, path_));
+    std::error_code trouble;
+    std::filesystem::rename(part_, path_, trouble);
+    if (trouble) return fail(ErrorCode::kIo, "{}: cannot be written: {}", path_, trouble.message());
+    closed_ = false;
+    return line;
+  }
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+
+ private:
+  tl::unexpected<Error> failed() const {
+    return fail(ErrorCode::kIo, "{}: writing failed ({}); is the disk full?", path_, std::strerror(errno));
+  }
+
+  const std::string path_;
+  const std::string part_;
+  const bool shows_;
+  std::FILE* file_ = nullptr;
+  bool closed_ = false;  // the part is there, whole
+  std::uint64_t bytes_ = 0;
+  int percent_ = -1;
+};
+
+// The station that the command line means.
+Result<const MvrGroup::Member*> choose_station(const Options& options, const MvrGroup& group) {
+  const MvrGroup::Member* chosen = nullptr;
+  std::string names;
+  for (const auto& member : group.members()) {
+    const bool fits = options.station.empty() || names_station(member, options.station);
+    if (fits && !member.joined && !member.trouble.empty() && group.members().size() == 1) {
+      return fail(ErrorCode::kNotFound, "{}", member.trouble);
+    }
+    if (!member.joined) continue;
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", printable_line(member.station.name));
+    if (!fits || (options.station.empty() && member.peer.commits.empty())) continue;
+    if (chosen != nullptr) {
+      return fail(ErrorCode::kBadInput, "several stations have files; name one by its name, UUID or address: {}",
+                  names);
+    }
+    chosen = &member;
+  }
+  if (chosen != nullptr) return chosen;
+  if (names.empty()) {
+    return fail(
+        ErrorCode::kNotFound,
+        "no station of MVR-xchange was found; switch it on there, in the same network, or name the station with "
+        "--station ADDRESS:PORT");
+  }
+  if (options.station.empty()) return fail(ErrorCode::kNotFound, "no station offers a file; found: {}", names);
+  return fail(ErrorCode::kNotFound, "{}: no such station; found: {}", printable_line(options.station), names);
+}
+
+// The newest is the last of the list; a station without a list makes one.
+Result<MvrCommit> choose_commit(const Options& options, const MvrGroup::Member& member) {
+  const auto& commits = member.peer.commits;
+  if (options.file.empty()) return commits.empty() ? MvrCommit{} : commits.back();
+  for (const MvrCommit& commit : commits) {
+    if (drivers::same_uuid(commit.file_uuid, options.file)) return commit;
+  }
+  return fail(ErrorCode::kNotFound, "--file {}: '{}' does not offer it; 'footlight mvr stations' lists its files",
+              printable_line(options.file), printable_line(member.station.name));
+}
+
+Result<int> receive(const MvrGroup::Member& member, const MvrCommit& commit, const Options& options, StopSignal& signal,
+                    Clock& clock) {
+  drivers::MvrMessage request;
+  request.type = drivers::MvrMessageType::kRequest;
+  request.file_uuid = commit.file_uuid;
+  if (!member.station.uuid.empty()) request.from_stations = {member.station.uuid};
+  PartFile part(options.out);
+  FL_TRY(part.open());
+  FL_ASSIGN(const auto client,
+            MvrClient::open(member.station.name, member.station.address, request, clock.now_ns(), &part));
+  std::vector<pollfd> waiting;
+  while (true) {
+    FL_ASSIGN(const bool done, client->step(clock.now_ns()));
+    if (done) break;
+    if (signal.came()) return fail(ErrorCode::kIo, "{}: stopped; nothing is written", options.out);
+    client->add_descriptors(waiting);
+    wait_for(waiting);
+  }
+  if (!client->asking().has_file()) {
+    return fail(ErrorCode::kNotFound, "'{}' does not send the file: {}", printable_line(member.station.name),
+                printable_line(client->asking().answer().message));
+  }
+  if (commit.file_bytes != 0 && commit.file_bytes != part.bytes()) {
+    fmt::print(stderr, "footlight: the station announced {} bytes and sent {}\n", commit.file_bytes, part.bytes());
+  }
+  FL_ASSIGN(const std::string rig, part.finish());
+  fmt::print("{}  {}  {}\n", printable_line(options.out), size_text(part.bytes()), rig);
+  return kExitOk;
+}
+
+Result<int> get(Options options) {
+  if (options.out.empty()) {
+    return fail(ErrorCode::kBadInput, "mvr get: expected -o FILE, for example 'footlight mvr get -o show.mvr'");
+  }
+  FL_TRY(refuse_pipe_output(options.out));
+  FL_TRY(refuse_existing(options.out, options.overwrite));
+  // An address needs no search.
+  if (options.stations.empty() && options.station.find(':') != std::string::npos) {
+    if (const auto address = drivers::find_mvr_address(options.station)) {
+      options.stations.push_back(options.station);
+      options.station = text_of(*address);
+    }
+  }
+  FL_ASSIGN(const auto addresses, addresses_of(options));
+  FL_ASSIGN(const auto discovery, open_discovery(options));
+  MvrStation self = own_station(options, "get");
+  MvrGroup group(self, discovery.get(), options.group, addresses);
+  SystemClock clock;
+  StopSignal signal;
+  search(options, group, discovery != nullptr, signal, clock);
+  const auto received = [&]() -> Result<int> {
+    FL_ASSIGN(const auto* member, choose_station(options, group));
+    FL_ASSIGN(const MvrCommit commit, choose_commit(options, *member));
+    return receive(*member, commit, options, signal, clock);
+  }();
+  leave(group, nullptr, clock);
+  return received;
+}
+
+void print_event(const drivers::MvrEvent& event, bool json) {
+  using Kind = drivers::MvrEvent::Kind;
+  constexpr std::array<const char*, 5> kNames = {"joined", "left", "committed", "sent", "refused"};
+  if (json) {
+    Json line = {{"event", kNames.at(static_cast<std::size_t>(event.kind))},
+                 {"station", printable_utf8(event.station_name)},
+                 {"station_uuid", printable_utf8(event.station_uuid)}};
+    if (event.kind == Kind::kCommitted || event.kind == Kind::kSent) line["file"] = json_of(event.commit);
+    if (event.kind == Kind::kRefused) line["reason"] = printable_utf8(event.text);
+    fmt::print("{}\n", line.dump());
+    return;
+  }
+  const std::string station = printable_line(event.station_name.empty() ? event.station_uuid : event.station_name);
+  switch (event.kind) {
+    case Kind::kJoined: fmt::print("joined: {}\n", station); break;
+    case Kind::kLeft: fmt::print("left: {}\n", station); break;
+    case Kind::kCommitted:
+      fmt::print("new file of {}: {}  {}\n", station.empty() ? "a station" : station,
+                 printable_line(event.commit.file_uuid), commit_text(event.commit));
+      break;
+    case Kind::kSent: fmt::print("sent: {}\n", printable_line(event.commit.file_name)); break;
+    case Kind::kRefused: fmt::print("refused: {}\n", printable_line(event.text)); break;
+  }
+}
+
+// One turn of what is shared: events, faults, and a file that was changed meanwhile.
+Result<bool> share_turn(const Options& options, MvrStation& self, drivers::MvrServer& server, MvrGroup& group,
+                        SharedFile& file, TimeNs now_ns) {
+  server.step(now_ns);
+  group.step(now_ns);
+  bool printed = false;
+  for (const auto& event : self.take_events()) {
+    print_event(event, options.json);
+    printed = true;
+  }
+  for (const std::string& fault : server.take_faults()) fmt::print(stderr, "footlight: {}\n", printable_line(fault));
+  const auto changed = file.poll(now_ns);
+  if (!changed) {
+    fmt::print(stderr, "footlight: not shared again: {}\n", printable_line(changed.error().message));
+  } else if (*changed) {
+    self.offer((*changed)->commit, (*changed)->bytes);
+    group.commit(now_ns);
+    if (!options.json) fmt::print("shared again: {}\n", commit_text(self.offers().back()));
+    printed = true;
+  }
+  return printed ? flush_output() : true;
+}
+
+Result<int> share(const Options& options) {
+  if (options.path.empty()) {
+    return fail(ErrorCode::kBadInput, "mvr share: expected a file, for example 'footlight mvr share show.mvr'");
+  }
+  FL_ASSIGN(SharedFile file, SharedFile::open(options.path, options.comment));
+  FL_ASSIGN(const auto addresses, addresses_of(options));
+  MvrStation self = own_station(options, "share");
+  self.offer(file.first().commit, file.first().bytes);
+  FL_ASSIGN(const auto server, drivers::MvrServer::open({0, static_cast<std::uint16_t>(options.port)}, self));
+  const std::string group_name = options.group.empty() ? std::string(drivers::kMvrGroupDefault) : options.group;
+  std::unique_ptr<drivers::MvrDiscovery> discovery;
+  if (auto opened = drivers::open_mvr_discovery()) {
+    discovery = std::move(*opened);
+    discovery->announce({self.name(), self.uuid(), group_name, server->port()});
+  } else {
+    fmt::print(stderr, "footlight: other stations do not find this one by themselves: {}\n", opened.error().message);
+  }
+  MvrGroup group(self, discovery.get(), group_name, addresses);
+  SystemClock clock;
+  StopSignal signal;
+  if (options.json) {
+    const Json line = {{"event", "sharing"},  {"station", self.name()}, {"station_uuid", self.uuid()},
+                       {"group", group_name}, {"port", server->port()}, {"file", json_of(self.offers().back())}};
+    fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
+  } else {
+    fmt::print("sharing {} as '{}' in group {}, TCP port {}: {}\n", printable_line(options.path),
+               printable_line(self.name()), printable_line(group_name), server->port(),
+               commit_text(self.offers().back()));
+  }
+  FL_ASSIGN(bool reader, flush_output());
+  const TimeNs end_ns = options.share_ns ? clock.now_ns() + *options.share_ns : kTimeNever;
+  std::vector<pollfd> waiting;
+  while (reader && !signal.came() && clock.now_ns() < end_ns) {
+    server->add_descriptors(waiting);
+    group.add_descriptors(waiting);
+    wait_for(waiting);
+    FL_ASSIGN(reader, share_turn(options, self, *server, group, file, clock.now_ns()));
+  }
+  leave(group, server.get(), clock);
+  return kExitOk;
+}
+
+void add_common(Arguments& arguments, const std::shared_ptr<Options>& options) {
+  arguments.list("--station", options->stations, "ADDRESS:PORT",
+                 "a station that need not be found; may be given several times");
+  arguments.option("--name", options->name, "NAME", "the name of this station [Footlight on HOST]");
+}
+
+void add_stations(Arguments& mvr) {
+  Arguments arguments = mvr.subcommand("stations", "List stations and the files that they offer",
+                                       "  footlight mvr stations\n"
+                                       "  footlight mvr stations --station 10.0.0.7:42424 --json\n");
+  auto options = std::make_shared<Options>();
+  add_common(arguments, options);
+  arguments.option("--group", options->group, "GROUP", "only stations of this group [all]");
+  arguments.duration("--for", options->search_ns, "how long to search [3s]");
+  arguments.flag("--json", options->json, "one JSON object a line for each station");
+  arguments.job([options]() -> Result<int> { return list_stations(*options); });
+}
+
+void add_get(Arguments& mvr) {
+  Arguments arguments = mvr.subcommand("get", "Receive a file of a station",
+                                       "  footlight mvr get -o show.mvr\n"
+                                       "  footlight mvr get 'grandMA3 onPC' --file UUID -o show.mvr\n"
+                                       "  footlight mvr get 10.0.0.7:42424 -o show.mvr\n");
+  auto options = std::make_shared<Options>();
+  arguments.word("STATION", options->station, "its name, UUID or address; not needed if only one has files");
+  arguments.option("--out,-o", options->out, "FILE", "the file, written only if it is whole and a rig");
+  arguments.option("--file", options->file, "UUID", "the file of the station [the last of its list]");
+  add_common(arguments, options);
+  arguments.option("--group", options->group, "GROUP", "only stations of this group [all]");
+  arguments.duration("--for", options->search_ns, "how long to search [3s]");
+  arguments.flag("--overwrite", options->overwrite, "replace the file if it exists");
+  arguments.job([options]() -> Result<int> { return get(*options); });
+}
+
+void add_share(Arguments& mvr) {
+  Arguments arguments = mvr.subcommand("share", "Offer a file to other stations, until stopped",
+                                       "  footlight mvr share show.mvr --comment 'truss 2 moved'\n"
+                                       "A file that changes is offered again as a new revision.\n");
+  auto options = std::make_shared<Options>();
+  arguments.word("FILE", options->path, "an MVR file");
+  arguments.option("--comment", options->comment, "TEXT", "what changed");
+  arguments.option("--group", options->group, "GROUP", "the group to join [Default]");
+  add_common(arguments, options);
+  arguments.option("--port", options->port, 0, 65535, "the TCP port [0: the system selects one]");
+  auto share_ns = std::make_shared<DurationNs>(-1);
+  arguments.duration("--for", *share_ns, "end after this time [never]");
+  arguments.flag("--json", options->json, "one JSON object a line for each event");
+  arguments.job([options, share_ns]() -> Result<int> {
+    if (*share_ns >= 0) options->share_ns = *share_ns;
+    return share(*options);
+  });
+}
+
+void add(Arguments& arguments) {
+  add_stations(arguments);
+  add_get(arguments);
+  add_share(arguments);
+}
+
+}  // namespace
+
+extern const CommandInfo mvr_command{
+    .name = "mvr",
+    .help = "Exchange rigs with consoles and drawing programs over the network (MVR-xchange)",
+    .examples =
+        "  footlight mvr stations\n"
+        "  footlight mvr get -o show.mvr\n"
+        "  footlight mvr share show.mvr\n"
+        "Stations trust the network: anybody in it can read what is shared, and send any file.\n",
+    .add = add,
+};
+
+}  // namespace footlight::tools
