@@ -1,4 +1,4 @@
-// Finding MVR-xchange stations, and being found: multicast DNS through Avahi's daemon, which every desktop of Debian has
+// Finds MVR-xchange stations and announces this one: multicast DNS through Avahi's daemon
 // (docs/decisions/0153-mvr-xchange-by-avahi.md).
 //
 // One thread. Nothing blocks but open_mvr_discovery(), which opens a connection to the system's message bus.

@@ -54,6 +54,7 @@ void MvrGroup::find_members() {
 }
 
 void MvrGroup::start(Member& member, const MvrMessage& message, TimeNs now_ns) {
+  if (message.type != MvrMessageType::kLeave) member.informed = station_.newest_uuid();
   auto client = MvrClient::open(member.station.name, member.station.address, message, now_ns);
   Talk talk{nullptr, member.station.address, message.type};
   if (!client) {
@@ -76,6 +77,7 @@ void MvrGroup::end(const Talk& talk, const Status& status, TimeNs now_ns) {
     auto peer = station_.joined(talk.client->asking().answer());
     if (peer) {
       member->joined = true;
+      member->left = false;
       member->trouble.clear();
       member->peer = std::move(*peer);
       if (!member->peer.name.empty()) member->station.name = member->peer.name;
@@ -92,11 +94,18 @@ void MvrGroup::end(const Talk& talk, const Status& status, TimeNs now_ns) {
 
 // What members sent to this station by themselves: new files, and that they leave or are back.
 void MvrGroup::follow_peers() {
+  if (std::exchange(peer_changes_, station_.peer_changes()) == station_.peer_changes()) return;
   for (Member& member : members_) {
     for (const MvrPeer& peer : station_.peers()) {
       if (member.peer.uuid.empty() || !same_uuid(peer.uuid, member.peer.uuid)) continue;
-      member.joined = peer.joined;
       member.peer = peer;
+      // A member that does not answer stays one that failed, although it did not say that it leaves.
+      if (peer.joined && member.left) {
+        member.joined = true;
+        member.trouble.clear();
+      }
+      if (!peer.joined) member.joined = false;
+      member.left = !peer.joined;
     }
   }
 }
@@ -117,16 +126,12 @@ void MvrGroup::step(TimeNs now_ns) {
   if (leaves_) return;
   follow_peers();
   for (Member& member : members_) {
-    // A station that has left, by its own message, is not asked again.
-    const bool has_left = !member.joined && !member.peer.uuid.empty() && member.trouble.empty();
-    if (member.joined || has_left || now_ns < member.retry_ns || talks_with(member.station.address)) continue;
-    start(member, station_.join(), now_ns);
-  }
-}
-
-void MvrGroup::commit(TimeNs now_ns) {
-  for (Member& member : members_) {
-    if (member.joined) start(member, station_.commit(), now_ns);
+    if (member.left || talks_with(member.station.address)) continue;
+    if (!member.joined && now_ns >= member.retry_ns) {
+      start(member, station_.join(), now_ns);
+    } else if (member.joined && member.informed != station_.newest_uuid()) {
+      start(member, station_.commit(), now_ns);
+    }
   }
 }
 

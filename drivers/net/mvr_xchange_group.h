@@ -24,9 +24,11 @@ class MvrGroup {
     MvrFound station;     // the name and the UUID are those of its answer, once it has answered
     bool named = false;   // by its address, not found
     bool joined = false;  // it has answered, and neither side has left
+    bool left = false;    // by its own message; it is not asked again, and may join by itself
     MvrPeer peer;         // its answer, and the files that it announced since
     std::string trouble;  // why it is not joined; empty: it is, or the answer is under way
     TimeNs retry_ns = 0;
+    std::string informed;  // UUID of our newest file that it was informed of
   };
 
   // `discovery`: null for none. `group`: empty for all groups that are found. `named`: stations that need not be found.
@@ -34,9 +36,8 @@ class MvrGroup {
   MvrGroup(MvrStation& station, MvrDiscovery* discovery, std::string group, const std::vector<MvrAddress>& named);
 
   void add_descriptors(std::vector<pollfd>& waiting) const;
+  // Also informs the joined stations of the newest file that the station offers.
   void step(TimeNs now_ns);
-  // Informs the joined stations of the station's newest file.
-  void commit(TimeNs now_ns);
   // Informs the joined stations that this one leaves; joins none any more.
   void leave(TimeNs now_ns);
   [[nodiscard]] bool busy() const { return !talks_.empty(); }  // an answer is under way
@@ -61,6 +62,7 @@ class MvrGroup {
   const std::string group_;
   std::vector<Member> members_;
   std::vector<Talk> talks_;
+  std::uint64_t peer_changes_ = 0;  // of the station, as of the last step
   bool leaves_ = false;
 };
 

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kTextBytesMax = 64u << 10;
+constexpr std::size_t kTextBytesMax = 4096;  // longer ones are cut
 constexpr std::size_t kUuidBytesMax = 64;
 
 struct TypeName {

@@ -18,8 +18,8 @@ namespace footlight::drivers {
 inline constexpr int kMvrVersionMajor = 1;  // of MVR, of what this program reads and writes
 inline constexpr int kMvrVersionMinor = 6;
 
-// UUIDs are any text of at most 64 bytes, and keep the spelling of their sender, since some programs compare them letter
-// by letter. This ignores case, and braces around.
+// UUIDs are any text of at most 64 bytes. They keep the spelling of their sender, since some programs compare them
+// letter by letter. This function ignores case, and braces around.
 [[nodiscard]] bool same_uuid(std::string_view a, std::string_view b);
 
 // One revision of a rig that a station offers.

@@ -1,8 +1,8 @@
 // Packets of MVR-xchange in TCP mode (DIN SPEC 15801, annex on communication): a header of 28 octets, big-endian, and a
 // payload. A message is JSON or a file, in one packet or in several of one kind in a row.
 //
-// Pure functions on bytes: no socket, no clock, no thread. A file is passed on in pieces as it arrives, so that it needs
-// no memory; a JSON text is kept until it is whole.
+// Functions on bytes: no socket, no clock, no thread. A file is passed on in pieces as it arrives, so that it needs no
+// memory; a JSON text is kept until it is whole.
 #pragma once
 
 #include <array>

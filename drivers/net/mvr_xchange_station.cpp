@@ -32,13 +32,22 @@ void MvrStation::offer(MvrCommit commit, MvrFileBytes bytes) {
   commit.file_bytes = bytes->size();
   std::erase_if(offers_, [&](const Offer& one) { return same_uuid(one.commit.file_uuid, commit.file_uuid); });
   offers_.push_back({std::move(commit), std::move(bytes)});
-  if (offers_.size() > kMvrOffersMax) offers_.erase(offers_.begin());
+  std::uint64_t bytes_all = 0;
+  for (const Offer& offer : offers_) bytes_all += offer.bytes->size();
+  while (offers_.size() > kMvrOffersMax || (offers_.size() > 1 && bytes_all > kMvrOffersBytesMax)) {
+    bytes_all -= offers_.front().bytes->size();
+    offers_.erase(offers_.begin());
+  }
 }
 
 std::vector<MvrCommit> MvrStation::offers() const {
   std::vector<MvrCommit> commits;
   for (const Offer& offer : offers_) commits.push_back(offer.commit);
   return commits;
+}
+
+std::string_view MvrStation::newest_uuid() const {
+  return offers_.empty() ? std::string_view() : std::string_view(offers_.back().commit.file_uuid);
 }
 
 MvrMessage MvrStation::join() const {
@@ -79,6 +88,7 @@ MvrPeer* MvrStation::find_peer(std::string_view uuid) {
 
 // The peer of a join, or of the answer to one; null: too many are known.
 MvrPeer* MvrStation::known_peer(const MvrMessage& join) {
+  ++peer_changes_;
   MvrPeer* peer = find_peer(join.station_uuid);
   if (peer == nullptr) {
     if (peers_.size() >= kMvrPeersMax) {
@@ -149,6 +159,7 @@ MvrStation::Answer MvrStation::answer_request(const MvrMessage& request) {
 MvrStation::Answer MvrStation::answer(const MvrMessage& request) {
   MvrEvent event;
   event.station_uuid = request.station_uuid;
+  ++peer_changes_;
   switch (request.type) {
     case MvrMessageType::kJoin: {
       (void)known_peer(request);

@@ -22,9 +22,10 @@
 
 namespace footlight::drivers {
 
-inline constexpr std::size_t kMvrOffersMax = 8;   // revisions that a station keeps; the oldest is dropped for a new one
-inline constexpr std::size_t kMvrPeersMax = 256;  // stations that are known; more are answered, and not listed
-inline constexpr std::size_t kMvrCommitsMax = 1000;  // of one station; the newest are kept
+inline constexpr std::size_t kMvrOffersMax = 8;  // revisions that a station keeps; the oldest is dropped for a new one
+inline constexpr std::uint64_t kMvrOffersBytesMax = 256u << 20;  // of all of them; the newest is kept whatever its size
+inline constexpr std::size_t kMvrPeersMax = 256;    // stations that are known; more are answered, and not listed
+inline constexpr std::size_t kMvrCommitsMax = 200;  // of one station; the newest are kept
 
 using MvrFileBytes = std::shared_ptr<const std::vector<std::uint8_t>>;
 
@@ -63,6 +64,7 @@ class MvrStation {
   // The newest revision from now on. Sets the commit's station and size.
   void offer(MvrCommit commit, MvrFileBytes bytes);
   [[nodiscard]] std::vector<MvrCommit> offers() const;  // the oldest first
+  [[nodiscard]] std::string_view newest_uuid() const;   // of the newest file; empty: none
 
   // Messages to others.
   [[nodiscard]] MvrMessage join() const;
@@ -79,6 +81,7 @@ class MvrStation {
   [[nodiscard]] Answer answer(const MvrMessage& request);
 
   [[nodiscard]] const std::vector<MvrPeer>& peers() const { return peers_; }
+  [[nodiscard]] std::uint64_t peer_changes() const { return peer_changes_; }  // counts changes of peers()
   // What happened since the last call, the oldest first. At most the newest thousand.
   [[nodiscard]] std::vector<MvrEvent> take_events();
 
@@ -97,6 +100,7 @@ class MvrStation {
   const std::string uuid_;
   std::vector<Offer> offers_;
   std::vector<MvrPeer> peers_;
+  std::uint64_t peer_changes_ = 0;
   std::deque<MvrEvent> events_;
 };
 

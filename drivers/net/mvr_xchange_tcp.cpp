@@ -230,7 +230,9 @@ void MvrClient::add_descriptors(std::vector<pollfd>& waiting) const {
 
 tl::unexpected<Error> MvrClient::failed(const Error& error) {
   socket_.reset();
-  return fail(error.code, "{} ({}): {}", name_, text_of(to_), error.message);
+  const std::string address = text_of(to_);
+  const std::string where = name_ == address ? address : fmt::format("{} ({})", name_, address);
+  return fail(error.code, "{}: {}", where, error.message);
 }
 
 Result<bool> MvrClient::step(TimeNs now_ns) {

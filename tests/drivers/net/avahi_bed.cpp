@@ -13,6 +13,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/temp_folder.h"
+
 namespace footlight::testing {
 namespace {
 
@@ -84,6 +86,12 @@ Started start(const std::vector<std::string>& words, std::string_view until) {
   return {pid, ready};
 }
 
+// One for all tests of a program: libdbus reads the address of the bus once.
+const TempFolder& folder() {
+  static const TempFolder only;
+  return only;
+}
+
 void stop(pid_t& pid) {
   if (pid <= 0) return;
   ::kill(pid, SIGTERM);
@@ -94,11 +102,12 @@ void stop(pid_t& pid) {
 }  // namespace
 
 AvahiBed::AvahiBed() {
-  const std::string address = "unix:path=" + folder_.file("bus");
-  folder_.write("bus.conf", fmt::format(kBusConfig, folder_.file("bus")));
-  folder_.write("avahi.conf", kAvahiConfig);
+  const std::string address = "unix:path=" + folder().file("bus");
+  ::unlink(folder().file("bus").c_str());
+  folder().write("bus.conf", fmt::format(kBusConfig, folder().file("bus")));
+  folder().write("avahi.conf", kAvahiConfig);
   const Started bus = start(
-      {"dbus-daemon", "--config-file=" + folder_.file("bus.conf"), "--nofork", "--nopidfile", "--print-address=1"},
+      {"dbus-daemon", "--config-file=" + folder().file("bus.conf"), "--nofork", "--nopidfile", "--print-address=1"},
       address);
   bus_ = bus.pid;
   if (!bus.ready) return;
@@ -107,7 +116,7 @@ AvahiBed::AvahiBed() {
 }
 
 bool AvahiBed::start_daemon() {
-  const Started daemon = start({"/usr/sbin/avahi-daemon", "-f", folder_.file("avahi.conf"), "--no-drop-root",
+  const Started daemon = start({"/usr/sbin/avahi-daemon", "-f", folder().file("avahi.conf"), "--no-drop-root",
                                 "--no-chroot", "--no-rlimits", "--no-proc-title"},
                                "Server startup complete");
   daemon_ = daemon.pid;

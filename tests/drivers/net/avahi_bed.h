@@ -2,9 +2,6 @@
 #pragma once
 
 #include <sys/types.h>
-#include <string>
-
-#include "tests/support/temp_folder.h"
 
 namespace footlight::testing {
 
@@ -21,7 +18,6 @@ class AvahiBed {
   [[nodiscard]] bool start_daemon();
 
  private:
-  TempFolder folder_;
   pid_t bus_ = -1;
   pid_t daemon_ = -1;
   bool runs_ = false;

@@ -7,11 +7,18 @@
 #include <string>
 #include <vector>
 
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include "drivers/net/bytes.h"
 #include "drivers/net/mvr_xchange_discovery.h"
+#include "drivers/net/mvr_xchange_names.h"
+#include "drivers/net/udp.h"
 #include "sim/system_clock.h"
 #include "tests/drivers/net/avahi_bed.h"
 #include "tests/drivers/net/mvr_xchange_helpers.h"
 #include "tests/drivers/net/private_network.h"
+#include "tests/drivers/net/tshark.h"
 
 namespace footlight::drivers {
 namespace {
@@ -88,6 +95,103 @@ TEST_CASE("a station is announced and found again when the daemon has ended and 
   CHECK(without.error().message.find("avahi-daemon") != std::string::npos);
   REQUIRE(bed.start_daemon());
   CHECK(steps_until({desk.get()}, [&] { return desk->found().size() == 1 && !desk->announced_name().empty(); }));
+}
+
+constexpr std::uint32_t kMdnsGroup = 0xE00000FB;
+constexpr std::uint16_t kMdnsPort = 5353;
+
+TEST_CASE(
+    "to Wireshark an announced station is an instance of the service and of its group, with host, port and texts") {
+  if (!network_runs()) return;
+  AvahiBed bed;
+  if (!bed.runs()) return;
+  const Fd receiver = must(open_receiver({.port_name = "mdns", .udp_port = kMdnsPort}));
+  REQUIRE(join_group(receiver, kMdnsGroup, must(find_interface("mdns", "fl7")).index) == 0);
+  const auto desk = must(open_mvr_discovery());
+  desk->announce({"Desk", kDeskUuid, "Tour", 42424});
+  DatagramReader reader;
+  std::vector<std::uint8_t> announcement;
+  REQUIRE(steps_until({desk.get()}, [&] {
+    for (int i = 0, count = reader.read(receiver.get()); i < count; ++i) {
+      const auto bytes = reader[static_cast<std::size_t>(i)].bytes;
+      const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      const bool answers = bytes.size() > 12 && (bytes[2] & 0x80) != 0;
+      if (answers && text.find("StationUUID") != text.npos && text.find("Tour") != text.npos) {
+        announcement.assign(bytes.begin(), bytes.end());
+      }
+    }
+    return !announcement.empty();
+  }));
+  const auto fields = dissect(announcement, kMdnsPort,
+                              {"dns.resp.name", "dns.ptr.domain_name", "dns.srv.port", "dns.srv.target", "dns.txt"});
+  if (!fields) return;
+  const auto has = [&](const char* field, std::string_view part) {
+    CAPTURE(fields->at(field));
+    CHECK(fields->at(field).find(part) != std::string::npos);
+  };
+  has("dns.resp.name", "Tour._mvrxchange._tcp.local");
+  has("dns.ptr.domain_name", "Desk.Tour._mvrxchange._tcp.local,Desk.Tour._mvrxchange._tcp.local");
+  has("dns.srv.port", "42424");
+  has("dns.srv.target", "testbed.local");
+  has("dns.txt", "StationName=Desk");
+  has("dns.txt", std::string("StationUUID=") + kDeskUuid);
+}
+
+// A response of multicast DNS with one instance, as a program announces it that names only the group.
+std::vector<std::uint8_t> group_instance(std::uint32_t ttl_s) {
+  const DnsLabels instance = mvr_group_name("Tour");
+  const DnsLabels host = {"Other", "Tour", "_mvrxchange", "_tcp", "local"};
+  std::vector<std::uint8_t> bytes = {0, 0, 0x84, 0, 0, 0, 0, 4, 0, 0, 0, 0};
+  const auto add = [&](const DnsLabels& name, std::uint16_t type, const std::vector<std::uint8_t>& data) {
+    const auto encoded = build_dns_name(name);
+    bytes.insert(bytes.end(), encoded.begin(), encoded.end());
+    std::array<std::uint8_t, 10> head = {};
+    write_u16_be(head, 0, type);
+    write_u16_be(head, 2, type == 12 ? 1 : 0x8001);
+    write_u32_be(head, 4, ttl_s);
+    write_u16_be(head, 8, static_cast<std::uint16_t>(data.size()));
+    bytes.insert(bytes.end(), head.begin(), head.end());
+    bytes.insert(bytes.end(), data.begin(), data.end());
+  };
+  add(mvr_group_name(""), 12, build_dns_name(instance));
+  add(instance, 33, build_dns_srv({9999, host}));
+  add(instance, 16, build_mvr_text({"Other", kViewUuid}));
+  add(host, 1, {10, 8, 0, 2});
+  return bytes;
+}
+
+TEST_CASE("a station of another machine whose instance is only its group is found, and gone after its goodbye") {
+  if (!enter_private_network() || !add_peer("fl8", "10.8.0.1", {"10.8.0.2"})) return;
+  AvahiBed bed;
+  if (!bed.runs()) return;
+  Fd socket;
+  {
+    const OnPeer there;
+    socket = Fd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    sockaddr_in own = {};
+    own.sin_family = AF_INET;
+    own.sin_port = htons(kMdnsPort);
+    own.sin_addr.s_addr = htonl(0x0A080002);
+    REQUIRE(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0);
+    const int ttl = 255;
+    REQUIRE(::setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl) == 0);
+    REQUIRE(::setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_IF, &own.sin_addr, sizeof own.sin_addr) == 0);
+  }
+  const auto send = [&](const std::vector<std::uint8_t>& bytes) {
+    sockaddr_in group = {};
+    group.sin_family = AF_INET;
+    group.sin_port = htons(kMdnsPort);
+    group.sin_addr.s_addr = htonl(kMdnsGroup);
+    REQUIRE(::sendto(socket.get(), bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&group),
+                     sizeof group) == static_cast<ssize_t>(bytes.size()));
+  };
+  const auto view = must(open_mvr_discovery());
+  view->step(0);
+  send(group_instance(120));
+  REQUIRE(steps_until({view.get()}, [&] { return view->found().size() == 1; }));
+  CHECK(view->found()[0] == MvrFound{"Other", kViewUuid, "Tour", {0x0A080002, 9999}});
+  send(group_instance(0));
+  CHECK(steps_until({view.get()}, [&] { return view->found().empty(); }));
 }
 
 }  // namespace

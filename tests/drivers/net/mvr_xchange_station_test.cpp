@@ -251,6 +251,13 @@ TEST_CASE("what is kept of other stations and of own files has limits") {
   }
   CHECK(pair.desk.offers().size() == kMvrOffersMax);
   CHECK(pair.desk.offers().front().file_uuid == "file 3");
+  // The same bytes under two UUIDs, so that the test needs little memory.
+  const auto large = std::make_shared<std::vector<std::uint8_t>>(kMvrOffersBytesMax / 2 + 1);
+  pair.desk.offer(commit_of("large 1"), large);
+  CHECK(pair.desk.offers().size() == kMvrOffersMax);
+  pair.desk.offer(commit_of("large 2"), large);
+  REQUIRE(pair.desk.offers().size() == 1);
+  CHECK(pair.desk.newest_uuid() == "large 2");
   MvrMessage join = pair.view.join();
   for (std::size_t i = 0; i < kMvrPeersMax + 10; ++i) {
     join.station_uuid = fmt::format("station {}", i);

@@ -286,7 +286,6 @@ TEST_CASE("a group joins what is found in it, commits, leaves, and joins again w
   CHECK(desk.station.peers().at(0).commits.at(0).comment == "one");
 
   view.offer(commit_of(kNewFile, "two"), some_file(4));
-  group.commit(kStartNs);
   step_all(group, desk, kStartNs);
   CHECK(desk.station.peers()[0].commits.size() == 2);
 
@@ -316,6 +315,40 @@ TEST_CASE("a station that cannot be joined is asked again after half a minute") 
   CHECK(group.members()[0].trouble.find("cannot connect") != std::string::npos);
   group.step(kStartNs + kMvrRejoinNs - 1);
   CHECK(!group.busy());
+  group.step(kStartNs + kMvrRejoinNs);
+  CHECK((group.busy() || group.members()[0].retry_ns > kStartNs + kMvrRejoinNs));
+}
+
+TEST_CASE("a file that is offered while a join is under way is committed after it") {
+  Desk desk;
+  MvrStation view("View", kViewUuid);
+  view.offer(commit_of(kOldFile), some_file(3));
+  MvrGroup group(view, nullptr, "", {desk.address()});
+  group.step(kStartNs);
+  REQUIRE(group.busy());
+  view.offer(commit_of(kNewFile), some_file(4));
+  step_all(group, desk, kStartNs);
+  step_all(group, desk, kStartNs);
+  CHECK(desk.station.peers().at(0).commits.size() == 2);
+  CHECK(desk.station.take_events().size() == 2);  // a join and one commit
+  step_all(group, desk, kStartNs);
+  CHECK(desk.station.take_events().empty());
+}
+
+TEST_CASE("a station that has died is not joined any more once it misses a file, and is asked again") {
+  auto desk = std::make_unique<Desk>();
+  MvrStation view("View", kViewUuid);
+  MvrGroup group(view, nullptr, "", {desk->address()});
+  step_all(group, *desk, kStartNs);
+  REQUIRE(group.members()[0].joined);
+  desk.reset();
+  Desk unused;
+  view.offer(commit_of(kNewFile), some_file(4));
+  step_all(group, unused, kStartNs);
+  (void)view.answer(MvrStation("Third", kOldFile).join());  // the message of another station changes nothing for it
+  step_all(group, unused, kStartNs);
+  CHECK(!group.members()[0].joined);
+  CHECK(group.members()[0].trouble.find("cannot connect") != std::string::npos);
   group.step(kStartNs + kMvrRejoinNs);
   CHECK((group.busy() || group.members()[0].retry_ns > kStartNs + kMvrRejoinNs));
 }

@@ -397,7 +397,6 @@ Result<bool> share_turn(const Options& options, MvrStation& self, drivers::MvrSe
     fmt::print(stderr, "footlight: not shared again: {}\n", printable_line(changed.error().message));
   } else if (*changed) {
     self.offer((*changed)->commit, (*changed)->bytes);
-    group.commit(now_ns);
     if (!options.json) fmt::print("shared again: {}\n", commit_text(self.offers().back()));
     printed = true;
   }
