@@ -90,7 +90,7 @@ TEST_CASE("a file that is shared is listed, is received byte for byte, and again
   const TempFolder folder;
   const std::string rig = folder.write("tour.mvr", rig_bytes("Par 1", 3'000'000));
   Footlight sharing({"mvr", "share", rig, "--comment", "truss 2", "--name", "View", "--json"}, kNoBus);
-  sharing.wait_for("\"sharing\"");
+  sharing.wait_for("\"started\"");
   const Json first = Json::parse(sharing.last_line());
   const std::string address = fmt::format("127.0.0.1:{}", first["port"].get<int>());
   CHECK(first["group"] == "Default");
@@ -176,6 +176,27 @@ TEST_CASE("stations of which one has a file need no name, and texts of others ar
   CHECK(unknown.exit_code == 3);
   CHECK(contains(unknown.err, "'Desk'"));
   CHECK(footlight({"mvr", "get"}).exit_code == 2);
+}
+
+TEST_CASE("a station that watches prints the files of others, at first and when new ones come") {
+  const TempFolder folder;
+  const std::string rig = folder.write("tour.mvr", rig_bytes("Par 1"));
+  Footlight watching({"mvr", "watch", "--name", "Watch", "--json"}, kNoBus);
+  watching.wait_for("\"started\"");
+  const int port = Json::parse(watching.last_line())["port"];
+  Footlight sharing({"mvr", "share", rig, "--name", "View", "--station", fmt::format("127.0.0.1:{}", port)}, kNoBus);
+  sharing.wait_for("Watch  127.0.0.1:");  // has joined it
+  watching.wait_for("\"joined\"");
+  (void)folder.write("tour.mvr", rig_bytes("Par 2"));
+  watching.wait_for("\"committed\"");
+  const Json commit = Json::parse(watching.last_line());
+  CHECK(commit["station"] == "View");
+  CHECK(commit["file"]["file_name"] == "tour.mvr");
+  sharing.signal(SIGTERM);
+  CHECK(sharing.wait().exit_code == 0);
+  watching.wait_for("\"left\"");
+  watching.signal(SIGINT);
+  CHECK(watching.wait().exit_code == 0);
 }
 
 TEST_CASE("a shared file is read again a second after its last change, and not if only its time changed") {

@@ -86,6 +86,7 @@ constexpr Special kSpecials[] = {
     {"footlight mvr stations", nullptr, "--station 127.0.0.1:9", 3, "no station is in the private network"},
     {"footlight mvr get -o desk.mvr", nullptr, "--station 127.0.0.1:9", 3, "no station is in the private network"},
     {"footlight mvr share show.mvr", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight mvr watch", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight replay show.dmxlog --at 12.5s --loop --out sacn:1-9", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight render rig.toml --log show.dmxlog --at 12.5s -o frame.exr", nullptr, kSmall, 0,
      "1280x720 pixels take long without a GPU"},

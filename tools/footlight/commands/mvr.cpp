@@ -1,9 +1,11 @@
 // footlight mvr: rigs from consoles and drawing programs over the network, by MVR-xchange.
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,17 +13,16 @@
 
 #include <poll.h>
 #include <unistd.h>
-#include <nlohmann/json.hpp>
 
 #include "drivers/net/mvr_xchange_group.h"
 #include "drivers/net/mvr_xchange_names.h"
 #include "drivers/net/net.h"
 #include "fixtures/files/export/write_file.h"
 #include "fixtures/files/import/import_rig.h"
-#include "sim/core/counted.h"
 #include "sim/file_kind.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/mvr/mvr_lines.h"
 #include "tools/footlight/mvr/shared_file.h"
 #include "tools/footlight/status/status_text.h"
 #include "tools/footlight/stop_signal.h"
@@ -29,7 +30,6 @@
 namespace footlight::tools {
 namespace {
 
-using Json = nlohmann::json;
 using drivers::MvrAddress;
 using drivers::MvrClient;
 using drivers::MvrCommit;
@@ -105,53 +105,6 @@ void leave(MvrGroup& group, drivers::MvrServer* server, Clock& clock) {
   }
 }
 
-std::string size_text(std::uint64_t bytes) {
-  if (bytes < 10'000) return fmt::format("{} bytes", bytes);
-  if (bytes < 10'000'000) return fmt::format("{:.0f} kB", static_cast<double>(bytes) / 1e3);
-  return fmt::format("{:.1f} MB", static_cast<double>(bytes) / 1e6);
-}
-
-std::string commit_text(const MvrCommit& commit) {
-  std::string text = size_text(commit.file_bytes);
-  if (!commit.file_name.empty()) text += "  " + printable_line(commit.file_name);
-  if (!commit.comment.empty()) text += "  \"" + printable_line(commit.comment) + "\"";
-  return text;
-}
-
-Json json_of(const MvrCommit& commit) {
-  return {{"file_uuid", printable_utf8(commit.file_uuid)},
-          {"file_name", printable_utf8(commit.file_name)},
-          {"comment", printable_utf8(commit.comment)},
-          {"bytes", commit.file_bytes},
-          {"station_uuid", printable_utf8(commit.station_uuid)},
-          {"version", fmt::format("{}.{}", commit.version_major, commit.version_minor)}};
-}
-
-void print_station(const MvrGroup::Member& member, bool json) {
-  const auto& station = member.station;
-  if (json) {
-    Json line = {{"name", printable_utf8(station.name)},
-                 {"uuid", printable_utf8(station.uuid)},
-                 {"group", printable_utf8(station.group)},
-                 {"address", text_of(station.address)},
-                 {"provider", printable_utf8(member.peer.provider)},
-                 {"joined", member.joined},
-                 {"files", Json::array()}};
-    if (!member.trouble.empty()) line["trouble"] = printable_utf8(member.trouble);
-    for (const MvrCommit& commit : member.peer.commits) line["files"].push_back(json_of(commit));
-    fmt::print("{}\n", line.dump());
-    return;
-  }
-  fmt::print("{}  {}{}{}\n", printable_line(station.name), text_of(station.address),
-             member.peer.provider.empty() ? "" : "  " + printable_line(member.peer.provider),
-             station.group.empty() ? "" : "  group " + printable_line(station.group));
-  if (!member.trouble.empty()) fmt::print("  {}\n", printable_line(member.trouble));
-  if (member.joined && member.peer.commits.empty()) fmt::print("  no files\n");
-  for (const MvrCommit& commit : member.peer.commits) {
-    fmt::print("  {}  {}\n", printable_line(commit.file_uuid), commit_text(commit));
-  }
-}
-
 bool names_station(const MvrGroup::Member& member, const std::string& text) {
   return drivers::same_ascii(member.station.name, text) || drivers::same_uuid(member.station.uuid, text) ||
          text_of(member.station.address) == text;
@@ -186,7 +139,7 @@ Result<int> list_stations(const Options& options) {
   search(options, group, discovery != nullptr, signal, clock);
   bool any = false;
   for (const auto& member : group.members()) {
-    print_station(member, options.json);
+    fmt::print("{}", options.json ? station_json(member) : station_text(member));
     any = any || member.joined;
   }
   leave(group, nullptr, clock);
@@ -356,93 +309,137 @@ Result<int> get(Options options) {
   return received;
 }
 
-void print_event(const drivers::MvrEvent& event, bool json) {
-  using Kind = drivers::MvrEvent::Kind;
-  constexpr std::array<const char*, 5> kNames = {"joined", "left", "committed", "sent", "refused"};
-  if (json) {
-    Json line = {{"event", kNames.at(static_cast<std::size_t>(event.kind))},
-                 {"station", printable_utf8(event.station_name)},
-                 {"station_uuid", printable_utf8(event.station_uuid)}};
-    if (event.kind == Kind::kCommitted || event.kind == Kind::kSent) line["file"] = json_of(event.commit);
-    if (event.kind == Kind::kRefused) line["reason"] = printable_utf8(event.text);
-    fmt::print("{}\n", line.dump());
-    return;
+// Prints stations when they are joined, and why others are not; each once.
+class StationNews {
+ public:
+  explicit StationNews(bool json) : json_(json) {}
+  // True: something was printed.
+  bool print(const MvrGroup& group) {
+    bool printed = false;
+    for (const auto& member : group.members()) {
+      std::string& last = last_[text_of(member.station.address)];
+      const std::string news = member.joined ? "joined" : member.trouble;
+      if (news.empty() || news == last) continue;
+      last = news;
+      printed = true;
+      if (json_) {
+        fmt::print("{}", station_json(member, "station"));
+      } else if (member.joined) {
+        fmt::print("{}", station_text(member));
+      } else {
+        fmt::print(stderr, "footlight: {}\n", printable_line(member.trouble));
+      }
+    }
+    return printed;
   }
-  const std::string station = printable_line(event.station_name.empty() ? event.station_uuid : event.station_name);
-  switch (event.kind) {
-    case Kind::kJoined: fmt::print("joined: {}\n", station); break;
-    case Kind::kLeft: fmt::print("left: {}\n", station); break;
-    case Kind::kCommitted:
-      fmt::print("new file of {}: {}  {}\n", station.empty() ? "a station" : station,
-                 printable_line(event.commit.file_uuid), commit_text(event.commit));
-      break;
-    case Kind::kSent: fmt::print("sent: {}\n", printable_line(event.commit.file_name)); break;
-    case Kind::kRefused: fmt::print("refused: {}\n", printable_line(event.text)); break;
-  }
-}
 
-// One turn of what is shared: events, faults, and a file that was changed meanwhile.
-Result<bool> share_turn(const Options& options, MvrStation& self, drivers::MvrServer& server, MvrGroup& group,
-                        SharedFile& file, TimeNs now_ns) {
-  server.step(now_ns);
-  group.step(now_ns);
-  bool printed = false;
-  for (const auto& event : self.take_events()) {
-    print_event(event, options.json);
-    printed = true;
+ private:
+  const bool json_;
+  std::map<std::string, std::string> last_;  // by address
+};
+
+// This station in its group, until stopped.
+class Part {
+ public:
+  static Result<std::unique_ptr<Part>> open(const Options& options, const char* name, std::optional<SharedFile> file) {
+    FL_ASSIGN(const auto addresses, addresses_of(options));
+    std::unique_ptr<Part> part(new Part(options, name, std::move(file)));
+    FL_ASSIGN(part->server_, drivers::MvrServer::open({0, static_cast<std::uint16_t>(options.port)}, part->self_));
+    if (auto opened = drivers::open_mvr_discovery()) {
+      part->discovery_ = std::move(*opened);
+      part->discovery_->announce({part->self_.name(), part->self_.uuid(), part->group_name_, part->server_->port()});
+    } else {
+      fmt::print(stderr, "footlight: other stations do not find this one by themselves: {}\n", opened.error().message);
+    }
+    part->group_ = std::make_unique<MvrGroup>(part->self_, part->discovery_.get(), part->group_name_, addresses);
+    return part;
   }
-  for (const std::string& fault : server.take_faults()) fmt::print(stderr, "footlight: {}\n", printable_line(fault));
-  const auto changed = file.poll(now_ns);
-  if (!changed) {
-    fmt::print(stderr, "footlight: not shared again: {}\n", printable_line(changed.error().message));
-  } else if (*changed) {
-    self.offer((*changed)->commit, (*changed)->bytes);
-    if (!options.json) fmt::print("shared again: {}\n", commit_text(self.offers().back()));
-    printed = true;
+
+  Result<int> run() {
+    SystemClock clock;
+    StopSignal signal;
+    print_start();
+    FL_ASSIGN(bool reader, flush_output());
+    const TimeNs end_ns = options_.share_ns ? clock.now_ns() + *options_.share_ns : kTimeNever;
+    std::vector<pollfd> waiting;
+    while (reader && !signal.came() && clock.now_ns() < end_ns) {
+      server_->add_descriptors(waiting);
+      group_->add_descriptors(waiting);
+      wait_for(waiting);
+      if (turn(clock.now_ns())) {
+        FL_ASSIGN(reader, flush_output());
+      }
+    }
+    leave(*group_, server_.get(), clock);
+    return kExitOk;
   }
-  return printed ? flush_output() : true;
-}
+
+ private:
+  Part(const Options& options, const char* name, std::optional<SharedFile> file)
+      : options_(options),
+        group_name_(options.group.empty() ? std::string(drivers::kMvrGroupDefault) : options.group),
+        self_(own_station(options, name)),
+        file_(std::move(file)),
+        news_(options.json) {
+    if (file_) self_.offer(file_->first().commit, file_->first().bytes);
+  }
+
+  void print_start() const {
+    if (options_.json) {
+      fmt::print("{}", start_json(self_, group_name_, server_->port()));
+      return;
+    }
+    fmt::print("station '{}' in group {}, TCP port {}\n", printable_line(self_.name()), printable_line(group_name_),
+               server_->port());
+    if (file_) fmt::print("sharing: {}\n", commit_text(self_.offers().back()));
+  }
+
+  // Events, faults, and a file that was changed meanwhile. True: something was printed.
+  bool turn(TimeNs now_ns) {
+    server_->step(now_ns);
+    group_->step(now_ns);
+    bool printed = news_.print(*group_);
+    for (const auto& event : self_.take_events()) {
+      fmt::print("{}", options_.json ? event_json(event) : event_text(event));
+      printed = true;
+    }
+    for (const std::string& fault : server_->take_faults()) {
+      fmt::print(stderr, "footlight: {}\n", printable_line(fault));
+    }
+    if (!file_) return printed;
+    const auto changed = file_->poll(now_ns);
+    if (!changed) {
+      fmt::print(stderr, "footlight: not shared again: {}\n", printable_line(changed.error().message));
+    } else if (*changed) {
+      self_.offer((*changed)->commit, (*changed)->bytes);
+      if (!options_.json) fmt::print("sharing: {}\n", commit_text(self_.offers().back()));
+      printed = true;
+    }
+    return printed;
+  }
+
+  const Options options_;
+  const std::string group_name_;
+  MvrStation self_;
+  std::optional<SharedFile> file_;
+  StationNews news_;
+  std::unique_ptr<drivers::MvrServer> server_;
+  std::unique_ptr<drivers::MvrDiscovery> discovery_;
+  std::unique_ptr<MvrGroup> group_;
+};
 
 Result<int> share(const Options& options) {
   if (options.path.empty()) {
     return fail(ErrorCode::kBadInput, "mvr share: expected a file, for example 'footlight mvr share show.mvr'");
   }
   FL_ASSIGN(SharedFile file, SharedFile::open(options.path, options.comment));
-  FL_ASSIGN(const auto addresses, addresses_of(options));
-  MvrStation self = own_station(options, "share");
-  self.offer(file.first().commit, file.first().bytes);
-  FL_ASSIGN(const auto server, drivers::MvrServer::open({0, static_cast<std::uint16_t>(options.port)}, self));
-  const std::string group_name = options.group.empty() ? std::string(drivers::kMvrGroupDefault) : options.group;
-  std::unique_ptr<drivers::MvrDiscovery> discovery;
-  if (auto opened = drivers::open_mvr_discovery()) {
-    discovery = std::move(*opened);
-    discovery->announce({self.name(), self.uuid(), group_name, server->port()});
-  } else {
-    fmt::print(stderr, "footlight: other stations do not find this one by themselves: {}\n", opened.error().message);
-  }
-  MvrGroup group(self, discovery.get(), group_name, addresses);
-  SystemClock clock;
-  StopSignal signal;
-  if (options.json) {
-    const Json line = {{"event", "sharing"},  {"station", self.name()}, {"station_uuid", self.uuid()},
-                       {"group", group_name}, {"port", server->port()}, {"file", json_of(self.offers().back())}};
-    fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
-  } else {
-    fmt::print("sharing {} as '{}' in group {}, TCP port {}: {}\n", printable_line(options.path),
-               printable_line(self.name()), printable_line(group_name), server->port(),
-               commit_text(self.offers().back()));
-  }
-  FL_ASSIGN(bool reader, flush_output());
-  const TimeNs end_ns = options.share_ns ? clock.now_ns() + *options.share_ns : kTimeNever;
-  std::vector<pollfd> waiting;
-  while (reader && !signal.came() && clock.now_ns() < end_ns) {
-    server->add_descriptors(waiting);
-    group.add_descriptors(waiting);
-    wait_for(waiting);
-    FL_ASSIGN(reader, share_turn(options, self, *server, group, file, clock.now_ns()));
-  }
-  leave(group, server.get(), clock);
-  return kExitOk;
+  FL_ASSIGN(const auto part, Part::open(options, "share", std::move(file)));
+  return part->run();
+}
+
+Result<int> watch(const Options& options) {
+  FL_ASSIGN(const auto part, Part::open(options, "watch", std::nullopt));
+  return part->run();
 }
 
 void add_common(Arguments& arguments, const std::shared_ptr<Options>& options) {
@@ -479,6 +476,19 @@ void add_get(Arguments& mvr) {
   arguments.job([options]() -> Result<int> { return get(*options); });
 }
 
+void add_part(Arguments& arguments, const std::shared_ptr<Options>& options, Result<int> (*run)(const Options&)) {
+  arguments.option("--group", options->group, "GROUP", "the group to join [Default]");
+  add_common(arguments, options);
+  arguments.option("--port", options->port, 0, 65535, "the TCP port [0: the system selects one]");
+  auto for_ns = std::make_shared<DurationNs>(-1);
+  arguments.duration("--for", *for_ns, "end after this time [never]");
+  arguments.flag("--json", options->json, "one JSON object a line for each event");
+  arguments.job([options, for_ns, run]() -> Result<int> {
+    if (*for_ns >= 0) options->share_ns = *for_ns;
+    return run(*options);
+  });
+}
+
 void add_share(Arguments& mvr) {
   Arguments arguments = mvr.subcommand("share", "Offer a file to other stations, until stopped",
                                        "  footlight mvr share show.mvr --comment 'truss 2 moved'\n"
@@ -486,22 +496,21 @@ void add_share(Arguments& mvr) {
   auto options = std::make_shared<Options>();
   arguments.word("FILE", options->path, "an MVR file");
   arguments.option("--comment", options->comment, "TEXT", "what changed");
-  arguments.option("--group", options->group, "GROUP", "the group to join [Default]");
-  add_common(arguments, options);
-  arguments.option("--port", options->port, 0, 65535, "the TCP port [0: the system selects one]");
-  auto share_ns = std::make_shared<DurationNs>(-1);
-  arguments.duration("--for", *share_ns, "end after this time [never]");
-  arguments.flag("--json", options->json, "one JSON object a line for each event");
-  arguments.job([options, share_ns]() -> Result<int> {
-    if (*share_ns >= 0) options->share_ns = *share_ns;
-    return share(*options);
-  });
+  add_part(arguments, options, share);
+}
+
+void add_watch(Arguments& mvr) {
+  Arguments arguments = mvr.subcommand("watch", "Print the new files of other stations, until stopped",
+                                       "  footlight mvr watch\n"
+                                       "  footlight mvr watch --group Tour --json\n");
+  add_part(arguments, std::make_shared<Options>(), watch);
 }
 
 void add(Arguments& arguments) {
   add_stations(arguments);
   add_get(arguments);
   add_share(arguments);
+  add_watch(arguments);
 }
 
 }  // namespace
@@ -513,6 +522,7 @@ extern const CommandInfo mvr_command{
         "  footlight mvr stations\n"
         "  footlight mvr get -o show.mvr\n"
         "  footlight mvr share show.mvr\n"
+        "  footlight mvr watch\n"
         "Stations trust the network: anybody in it can read what is shared, and send any file.\n",
     .add = add,
 };
