@@ -42,14 +42,14 @@ std::string rig_bytes(const std::string& fixture, std::size_t padding = 0) {
   std::string noise(padding, '\0');
   std::uint32_t state = 1;
   for (char& byte : noise) byte = static_cast<char>((state = state * 1'664'525u + 1'013'904'223u) >> 24);
-  return make_zip({{"GeneralSceneDescription.xml",
+  return make_zip({{"noise.bin", noise},  // first, as programs write it that do not sort
+                   {"GeneralSceneDescription.xml",
                     "<GeneralSceneDescription verMajor=\"1\" verMinor=\"6\"><Scene><Layers><Layer name=\"L\" "
                     "uuid=\"00000000-0000-4000-8000-000000000001\"><ChildList><Fixture name=\"" +
                         fixture +
                         "\" uuid=\"00000000-0000-4000-8000-000000000002\"><GDTFSpec>Par.gdtf</GDTFSpec><Addresses>"
                         "<Address break=\"0\">1</Address></Addresses></Fixture></ChildList></Layer></Layers></Scene>"
-                        "</GeneralSceneDescription>"},
-                   {"noise.bin", noise}});
+                        "</GeneralSceneDescription>"}});
 }
 
 // A station of the test, which answers on a thread.

@@ -61,10 +61,11 @@ std::string host_name() {
   return name.data();
 }
 
-// The UUID is the same after every start. The parts of one machine have different ones: a list that ends must not end
-// the membership of a file that is shared.
+// `part`: empty where a file is shared. The UUID is the same after every start. The parts of one machine have different
+// ones: a list that ends must not end the membership of a file that is shared.
 MvrStation own_station(const Options& options, const char* part) {
-  const std::string name = options.name.empty() ? "Footlight on " + host_name() : options.name;
+  const std::string own = fmt::format("Footlight{}{} on {}", *part == '\0' ? "" : " ", part, host_name());
+  const std::string name = options.name.empty() ? own : options.name;
   drivers::SacnSinkOptions digest;
   digest.source_name = name;
   digest.name = std::string("mvr-xchange ") + part;
@@ -152,11 +153,11 @@ Result<int> list_stations(const Options& options) {
   return kExitNotFound;
 }
 
-// The file beside its target, until it is whole and is a rig.
+// The file beside its target, until it is whole and is a rig. Its name ends in ".mvr", so that the reader expects one.
 class PartFile final : public drivers::MvrFileSink {
  public:
   explicit PartFile(std::string path)
-      : path_(std::move(path)), part_(fixtures::part_name(path_)), shows_(::isatty(STDERR_FILENO) != 0) {}
+      : path_(std::move(path)), part_(fixtures::part_name(path_) + ".mvr"), shows_(::isatty(STDERR_FILENO) != 0) {}
   ~PartFile() override {
     if (file_ == nullptr && !closed_) return;
     if (file_ != nullptr) std::fclose(file_);
@@ -433,7 +434,7 @@ Result<int> share(const Options& options) {
     return fail(ErrorCode::kBadInput, "mvr share: expected a file, for example 'footlight mvr share show.mvr'");
   }
   FL_ASSIGN(SharedFile file, SharedFile::open(options.path, options.comment));
-  FL_ASSIGN(const auto part, Part::open(options, "share", std::move(file)));
+  FL_ASSIGN(const auto part, Part::open(options, "", std::move(file)));
   return part->run();
 }
 
@@ -445,7 +446,7 @@ Result<int> watch(const Options& options) {
 void add_common(Arguments& arguments, const std::shared_ptr<Options>& options) {
   arguments.list("--station", options->stations, "ADDRESS:PORT",
                  "a station that need not be found; may be given several times");
-  arguments.option("--name", options->name, "NAME", "the name of this station [Footlight on HOST]");
+  arguments.option("--name", options->name, "NAME", "the name of this station [Footlight ... on HOST]");
 }
 
 void add_stations(Arguments& mvr) {

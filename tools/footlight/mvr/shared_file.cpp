@@ -41,14 +41,14 @@ std::string uuid_text(const drivers::Cid& uuid) {
 }
 
 Result<std::string> check_mvr(const std::string& path, const std::string& shown) {
-  if (fixtures::rig_format(path) != "mvr") {
-    return fail(ErrorCode::kBadInput, "{}: is no MVR file; expected a zip with GeneralSceneDescription.xml", shown);
-  }
   const auto rig = fixtures::import_rig(path);
   if (!rig) {
     std::string message = rig.error().message;
     if (message.starts_with(path)) message.erase(0, path.size());
     return fail(ErrorCode::kBadInput, "{}{}{}", shown, message.starts_with(':') ? "" : ": ", message);
+  }
+  if (rig->format != "mvr") {
+    return fail(ErrorCode::kBadInput, "{}: is a rig of format {}; expected an MVR file", shown, rig->format);
   }
   return fmt::format("{}, {}", counted(static_cast<long long>(rig->rig.fixtures.size()), "fixture"),
                      counted(static_cast<long long>(rig->assumptions.size()), "assumption"));
