@@ -137,9 +137,8 @@ TEST_CASE(
   has("dns.txt", std::string("StationUUID=") + kDeskUuid);
 }
 
-// A response of multicast DNS with one instance, as a program announces it that names only the group.
-std::vector<std::uint8_t> group_instance(std::uint32_t ttl_s) {
-  const DnsLabels instance = mvr_group_name("Tour");
+// A response of multicast DNS with one instance.
+std::vector<std::uint8_t> response(const DnsLabels& instance, std::uint32_t ttl_s) {
   const DnsLabels host = {"Other", "Tour", "_mvrxchange", "_tcp", "local"};
   std::vector<std::uint8_t> bytes = {0, 0, 0x84, 0, 0, 0, 0, 4, 0, 0, 0, 0};
   const auto add = [&](const DnsLabels& name, std::uint16_t type, const std::vector<std::uint8_t>& data) {
@@ -160,38 +159,61 @@ std::vector<std::uint8_t> group_instance(std::uint32_t ttl_s) {
   return bytes;
 }
 
-TEST_CASE("a station of another machine whose instance is only its group is found, and gone after its goodbye") {
-  if (!enter_private_network() || !add_peer("fl8", "10.8.0.1", {"10.8.0.2"})) return;
-  AvahiBed bed;
-  if (!bed.runs()) return;
-  Fd socket;
-  {
+// Multicast DNS of another machine: 10.8.0.2 at the other end of a cable.
+class OtherMachine {
+ public:
+  [[nodiscard]] static bool connect() { return enter_private_network() && add_peer("fl8", "10.8.0.1", {"10.8.0.2"}); }
+  OtherMachine() {
     const OnPeer there;
-    socket = Fd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    socket_ = Fd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     sockaddr_in own = {};
     own.sin_family = AF_INET;
     own.sin_port = htons(kMdnsPort);
     own.sin_addr.s_addr = htonl(0x0A080002);
-    REQUIRE(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0);
+    REQUIRE(::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&own), sizeof own) == 0);
     const int ttl = 255;
-    REQUIRE(::setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl) == 0);
-    REQUIRE(::setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_IF, &own.sin_addr, sizeof own.sin_addr) == 0);
+    REQUIRE(::setsockopt(socket_.get(), IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl) == 0);
+    REQUIRE(::setsockopt(socket_.get(), IPPROTO_IP, IP_MULTICAST_IF, &own.sin_addr, sizeof own.sin_addr) == 0);
   }
-  const auto send = [&](const std::vector<std::uint8_t>& bytes) {
+  void send(const std::vector<std::uint8_t>& bytes) const {
     sockaddr_in group = {};
     group.sin_family = AF_INET;
     group.sin_port = htons(kMdnsPort);
     group.sin_addr.s_addr = htonl(kMdnsGroup);
-    REQUIRE(::sendto(socket.get(), bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&group),
+    REQUIRE(::sendto(socket_.get(), bytes.data(), bytes.size(), 0, reinterpret_cast<const sockaddr*>(&group),
                      sizeof group) == static_cast<ssize_t>(bytes.size()));
-  };
+  }
+
+ private:
+  Fd socket_;
+};
+
+TEST_CASE("a station of another machine whose instance is only its group is found, and gone after its goodbye") {
+  if (!OtherMachine::connect()) return;
+  AvahiBed bed;
+  if (!bed.runs()) return;
+  const OtherMachine other;
   const auto view = must(open_mvr_discovery());
   view->step(0);
-  send(group_instance(120));
+  other.send(response(mvr_group_name("Tour"), 120));
   REQUIRE(steps_until({view.get()}, [&] { return view->found().size() == 1; }));
   CHECK(view->found()[0] == MvrFound{"Other", kViewUuid, "Tour", {0x0A080002, 9999}});
-  send(group_instance(0));
+  other.send(response(mvr_group_name("Tour"), 0));
   CHECK(steps_until({view.get()}, [&] { return view->found().empty(); }));
+}
+
+TEST_CASE("a name that another machine defends gets a number") {
+  if (!OtherMachine::connect()) return;
+  AvahiBed bed;
+  if (!bed.runs()) return;
+  const OtherMachine other;
+  const auto desk = must(open_mvr_discovery());
+  desk->announce({"Desk", kDeskUuid, "Tour", 42424});
+  const auto defence = response(mvr_instance_name({"Desk", "Tour"}), 120);
+  CHECK(steps_until({desk.get()}, [&] {
+    other.send(defence);
+    return desk->announced_name() == "Desk #2";
+  }));
 }
 
 }  // namespace
