@@ -206,6 +206,7 @@ TEST_CASE("hardware libraries, and those that compile slowly, are included only 
                 R"(drivers/(sound/sound_file|av/libav)\.cpp|tests/tools/.*\.cpp)"},
       {"OpenEXR/", R"(tools/footlight/pictures/exr_file\.cpp|tests/tools/.*\.cpp)"},
       {"alsa/", R"(drivers/(sound/alsa_device|midi/alsa_midi)\.cpp)"},
+      {"avahi-", R"(drivers/net/avahi_discovery\.cpp)"},
       {"libsw", R"(tools/footlight/(pictures|vrsl)/video.*\.cpp|drivers/av/libav\.cpp|tests/tools/.*\.cpp)"},
       {"microhttpd", R"(tools/footlight/status/http_server\.cpp)"},
       {"systemd/", R"(tools/footlight/bridge/(service|event_log)\.cpp)"},

@@ -83,6 +83,10 @@ constexpr Special kSpecials[] = {
     {"footlight record --in sacn:1-9 -o new.dmxlog", nullptr, "--for 100ms", 3, kUntilStopped},
     {"footlight log compare show.dmxlog --at 10s --with 25s --rig rig.toml", nullptr, "", 1,
      "the show goes on between the two times"},
+    {"footlight mvr stations", nullptr, "--station 127.0.0.1:9", 3, "no station is in the private network"},
+    {"footlight mvr get -o desk.mvr", nullptr, "--station 127.0.0.1:9", 3, "no station is in the private network"},
+    {"footlight mvr share show.mvr", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight mvr watch", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight replay show.dmxlog --at 12.5s --loop --out sacn:1-9", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight render rig.toml --log show.dmxlog --at 12.5s -o frame.exr", nullptr, kSmall, 0,
      "1280x720 pixels take long without a GPU"},
@@ -188,7 +192,9 @@ TEST_CASE("every line of the README runs in a folder of samples") {
   const std::string run_folder = folder.file("run");
   fs::create_directory(run_folder);
   fs::permissions(run_folder, fs::perms::owner_all);
-  std::map<std::string, std::string> environment = {{"XDG_RUNTIME_DIR", run_folder}};
+  // No message bus: it leads out of the private network, to a daemon that announces what is shared.
+  std::map<std::string, std::string> environment = {{"XDG_RUNTIME_DIR", run_folder},
+                                                    {"DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nonexistent"}};
   // `monitor` and `reload` connect to a running bridge.
   Footlight bridge({"run", "show.toml", "--json"}, environment);
   bridge.wait_for(R"("event":"ready")");

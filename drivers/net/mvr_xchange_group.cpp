@@ -1,0 +1,145 @@
+#include "drivers/net/mvr_xchange_group.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "drivers/net/mvr_xchange_names.h"
+
+namespace footlight::drivers {
+
+MvrGroup::MvrGroup(MvrStation& station, MvrDiscovery* discovery, std::string group,
+                   const std::vector<MvrAddress>& named)
+    : station_(station), discovery_(discovery), group_(std::move(group)) {
+  for (const MvrAddress& address : named) {
+    if (member_at(address) != nullptr) continue;
+    Member member;
+    member.station.name = text_of(address);
+    member.station.address = address;
+    member.named = true;
+    members_.push_back(std::move(member));
+  }
+}
+
+MvrGroup::Member* MvrGroup::member_at(const MvrAddress& address) {
+  const auto at =
+      std::find_if(members_.begin(), members_.end(), [&](const Member& one) { return one.station.address == address; });
+  return at == members_.end() ? nullptr : &*at;
+}
+
+bool MvrGroup::talks_with(const MvrAddress& address) const {
+  return std::any_of(talks_.begin(), talks_.end(), [&](const Talk& one) { return one.to == address; });
+}
+
+void MvrGroup::add_descriptors(std::vector<pollfd>& waiting) const {
+  if (discovery_ != nullptr) discovery_->add_descriptors(waiting);
+  for (const Talk& talk : talks_) talk.client->add_descriptors(waiting);
+}
+
+// Members that are not found any more are forgotten, so that they are joined when they are back.
+void MvrGroup::find_members() {
+  if (discovery_ == nullptr || leaves_) return;
+  const std::vector<MvrFound> found = discovery_->found();
+  std::erase_if(members_, [&](const Member& member) {
+    return !member.named && !talks_with(member.station.address) &&
+           std::none_of(found.begin(), found.end(),
+                        [&](const MvrFound& one) { return one.address == member.station.address; });
+  });
+  for (const MvrFound& one : found) {
+    if (same_uuid(one.uuid, station_.uuid()) || member_at(one.address) != nullptr) continue;
+    if (!group_.empty() && !same_ascii(one.group, dns_label(group_))) continue;
+    Member member;
+    member.station = one;
+    members_.push_back(std::move(member));
+  }
+}
+
+void MvrGroup::start(Member& member, const MvrMessage& message, TimeNs now_ns) {
+  if (message.type != MvrMessageType::kLeave) member.informed = station_.newest_uuid();
+  auto client = MvrClient::open(member.station.name, member.station.address, message, now_ns);
+  Talk talk{nullptr, member.station.address, message.type};
+  if (!client) {
+    end(talk, tl::unexpected(std::move(client).error()), now_ns);
+    return;
+  }
+  talk.client = std::move(*client);
+  talks_.push_back(std::move(talk));
+}
+
+void MvrGroup::end(const Talk& talk, const Status& status, TimeNs now_ns) {
+  Member* const member = member_at(talk.to);
+  if (member == nullptr) return;
+  if (talk.type == MvrMessageType::kLeave) {
+    member->joined = false;
+    return;
+  }
+  if (status && talk.type == MvrMessageType::kCommit) return;
+  if (status) {
+    auto peer = station_.joined(talk.client->asking().answer());
+    if (peer) {
+      member->joined = true;
+      member->left = false;
+      member->trouble.clear();
+      member->peer = std::move(*peer);
+      if (!member->peer.name.empty()) member->station.name = member->peer.name;
+      if (!member->peer.uuid.empty()) member->station.uuid = member->peer.uuid;
+      return;
+    }
+    member->trouble = fmt::format("{} ({}): {}", member->station.name, text_of(talk.to), peer.error().message);
+  } else {
+    member->trouble = status.error().message;
+  }
+  member->joined = false;
+  member->retry_ns = now_ns + kMvrRejoinNs;
+}
+
+// What members sent to this station by themselves: new files, and that they leave or are back.
+void MvrGroup::follow_peers() {
+  if (std::exchange(peer_changes_, station_.peer_changes()) == station_.peer_changes()) return;
+  for (Member& member : members_) {
+    for (const MvrPeer& peer : station_.peers()) {
+      if (member.peer.uuid.empty() || !same_uuid(peer.uuid, member.peer.uuid)) continue;
+      member.peer = peer;
+      // A member that does not answer stays one that failed, although it did not say that it leaves.
+      if (peer.joined && member.left) {
+        member.joined = true;
+        member.trouble.clear();
+      }
+      if (!peer.joined) member.joined = false;
+      member.left = !peer.joined;
+    }
+  }
+}
+
+void MvrGroup::step(TimeNs now_ns) {
+  if (discovery_ != nullptr) discovery_->step(now_ns);
+  for (std::size_t i = 0; i < talks_.size();) {
+    const auto done = talks_[i].client->step(now_ns);
+    if (done && !*done) {
+      ++i;
+      continue;
+    }
+    const Talk talk = std::move(talks_[i]);
+    talks_.erase(talks_.begin() + static_cast<std::ptrdiff_t>(i));
+    end(talk, done ? Status() : Status(tl::unexpected(done.error())), now_ns);
+  }
+  find_members();
+  if (leaves_) return;
+  follow_peers();
+  for (Member& member : members_) {
+    if (member.left || talks_with(member.station.address)) continue;
+    if (!member.joined && now_ns >= member.retry_ns) {
+      start(member, station_.join(), now_ns);
+    } else if (member.joined && member.informed != station_.newest_uuid()) {
+      start(member, station_.commit(), now_ns);
+    }
+  }
+}
+
+void MvrGroup::leave(TimeNs now_ns) {
+  leaves_ = true;
+  for (Member& member : members_) {
+    if (member.joined) start(member, station_.leave(), now_ns);
+  }
+}
+
+}  // namespace footlight::drivers

@@ -1,0 +1,236 @@
+// Rigs over the network: the program beside itself, and beside stations of the test.
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <poll.h>
+#include <nlohmann/json.hpp>
+
+#include "drivers/net/mvr_xchange_tcp.h"
+#include "sim/system_clock.h"
+#include "tests/support/must.h"
+#include "tests/support/zip_bytes.h"
+#include "tests/tools/footlight/run_footlight.h"
+#include "tools/footlight/mvr/shared_file.h"
+
+namespace footlight::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+// No message bus: nothing that a test shares is announced in a real network.
+const std::map<std::string, std::string> kNoBus = {{"DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nonexistent"}};
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// A rig of one fixture, with a mesh-like file of random bytes to make it large.
+std::string rig_bytes(const std::string& fixture, std::size_t padding = 0) {
+  std::string noise(padding, '\0');
+  std::uint32_t state = 1;
+  for (char& byte : noise) byte = static_cast<char>((state = state * 1'664'525u + 1'013'904'223u) >> 24);
+  return make_zip({{"noise.bin", noise},  // first, as programs write it that do not sort
+                   {"GeneralSceneDescription.xml",
+                    "<GeneralSceneDescription verMajor=\"1\" verMinor=\"6\"><Scene><Layers><Layer name=\"L\" "
+                    "uuid=\"00000000-0000-4000-8000-000000000001\"><ChildList><Fixture name=\"" +
+                        fixture +
+                        "\" uuid=\"00000000-0000-4000-8000-000000000002\"><GDTFSpec>Par.gdtf</GDTFSpec><Addresses>"
+                        "<Address break=\"0\">1</Address></Addresses></Fixture></ChildList></Layer></Layers></Scene>"
+                        "</GeneralSceneDescription>"}});
+}
+
+// A station of the test, which answers on a thread.
+class DeskThread {
+ public:
+  explicit DeskThread(const std::string& content) {
+    drivers::MvrCommit commit;
+    commit.file_uuid = "11111111-2222-4333-8444-555555555555";
+    commit.comment = "from the desk\x1B[31m";
+    station_.offer(commit, std::make_shared<std::vector<std::uint8_t>>(content.begin(), content.end()));
+    server_ = must(drivers::MvrServer::open({0x7F000001, 0}, station_));
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      SystemClock clock;
+      std::vector<pollfd> waiting;
+      while (!stop.stop_requested()) {
+        server_->step(clock.now_ns());
+        server_->add_descriptors(waiting);
+        (void)::poll(waiting.data(), waiting.size(), 50);
+        waiting.clear();
+      }
+    });
+  }
+  [[nodiscard]] std::string address() const { return fmt::format("127.0.0.1:{}", server_->port()); }
+  // Ends the thread; what happened.
+  std::vector<drivers::MvrEvent> end() {
+    thread_.request_stop();
+    thread_.join();
+    return station_.take_events();
+  }
+
+ private:
+  drivers::MvrStation station_{"Desk", "4aa291a1-1a62-45fe-aabc-e90e5e2399a8"};
+  std::unique_ptr<drivers::MvrServer> server_;
+  std::jthread thread_;
+};
+
+TEST_CASE("a file that is shared is listed, is received byte for byte, and again when it changes") {
+  const TempFolder folder;
+  const std::string rig = folder.write("tour.mvr", rig_bytes("Par 1", 3'000'000));
+  Footlight sharing({"mvr", "share", rig, "--comment", "truss 2", "--name", "View", "--json"}, kNoBus);
+  sharing.wait_for("\"started\"");
+  const Json first = Json::parse(sharing.last_line());
+  const std::string address = fmt::format("127.0.0.1:{}", first["port"].get<int>());
+  CHECK(first["group"] == "Default");
+
+  const Outcome listed = footlight({"mvr", "stations", "--station", address, "--json"});
+  CHECK(listed.exit_code == 0);
+  const Json station = Json::parse(listed.out);
+  CHECK(station["name"] == "View");
+  CHECK(station["provider"] == "Footlight");
+  CHECK(station["files"][0]["file_name"] == "tour.mvr");
+  CHECK(station["files"][0]["comment"] == "truss 2");
+  CHECK(station["files"][0]["bytes"] == fs::file_size(rig));
+
+  const std::string out = folder.file("got.mvr");
+  const Outcome got = footlight({"mvr", "get", address, "-o", out});
+  CHECK(got.exit_code == 0);
+  CHECK(contains(got.out, "1 fixture"));
+  CHECK(read_file(out) == read_file(rig));
+  sharing.wait_for("\"left\"");
+
+  (void)folder.write("tour.mvr", rig_bytes("Par 2"));
+  std::string second;
+  SystemClock clock;
+  for (const TimeNs end_ns = clock.now_ns() + 60 * kNsPerS; clock.now_ns() < end_ns;) {
+    const Outcome again = footlight({"mvr", "stations", "--station", address, "--json"});
+    const Json files = Json::parse(again.out)["files"];
+    if (files.size() < 2) continue;
+    CHECK(files[0] == station["files"][0]);
+    second = files[1]["file_uuid"];
+    break;
+  }
+  REQUIRE(!second.empty());
+  CHECK(footlight({"mvr", "get", address, "-o", out}).exit_code == 2);  // exists
+  CHECK(footlight({"mvr", "get", address, "-o", out, "--overwrite"}).exit_code == 0);
+  CHECK(read_file(out) == read_file(rig));
+  CHECK(footlight({"mvr", "get", address, "-o", out, "--overwrite", "--file", "no"}).exit_code == 3);
+  sharing.signal(SIGINT);
+  CHECK(sharing.wait().exit_code == 0);
+  CHECK(footlight({"mvr", "get", address, "-o", folder.file("late.mvr")}).exit_code == 3);
+  CHECK(!fs::exists(folder.file("late.mvr")));
+}
+
+TEST_CASE("a file that is no rig is neither shared nor written, and nothing is left beside it") {
+  const TempFolder folder;
+  const std::string text = folder.write("text.mvr", "no zip");
+  const Outcome shared = footlight({"mvr", "share", text});
+  CHECK(shared.exit_code == 2);
+  CHECK(contains(shared.err, "text.mvr"));
+  for (const std::string& content :
+       {std::string("no zip"), std::string(), make_zip({{"other.xml", "<a/>"}}), rig_bytes("Par 1").substr(0, 200)}) {
+    DeskThread desk(content);
+    const std::string out = folder.file("got.mvr");
+    const Outcome got = footlight({"mvr", "get", desk.address(), "-o", out});
+    CAPTURE(got.err);
+    CHECK(got.exit_code == 2);
+    CHECK(contains(got.err, "got.mvr"));
+    CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);
+    const auto events = desk.end();
+    REQUIRE(events.size() == 3);  // joined, sent, left: also after an error
+    CHECK(events[2].kind == drivers::MvrEvent::Kind::kLeft);
+  }
+}
+
+TEST_CASE("stations of which one has a file need no name, and texts of others are printed without escapes") {
+  const TempFolder folder;
+  DeskThread desk(rig_bytes("Par 1"));
+  const std::string out = folder.file("got.mvr");
+  const std::vector<std::string> named = {"--station", desk.address(), "--station", "127.0.0.1:9"};
+  std::vector<std::string> words = {"mvr", "stations"};
+  words.insert(words.end(), named.begin(), named.end());
+  const Outcome listed = footlight(words);
+  CHECK(listed.exit_code == 0);
+  CHECK(contains(listed.out, "Desk  " + desk.address()));
+  CHECK(contains(listed.out, "from the desk"));
+  CHECK(!contains(listed.out, "\x1B"));
+  CHECK(contains(listed.out, "cannot connect"));
+  words = {"mvr", "get", "-o", out};
+  words.insert(words.end(), named.begin(), named.end());
+  CHECK(footlight(words).exit_code == 0);
+  CHECK(fs::exists(out));
+  words = {"mvr", "get", "Somebody", "-o", folder.file("x.mvr"), "--station", desk.address()};
+  const Outcome unknown = footlight(words);
+  CHECK(unknown.exit_code == 3);
+  CHECK(contains(unknown.err, "'Desk'"));
+  CHECK(footlight({"mvr", "get"}).exit_code == 2);
+}
+
+TEST_CASE("a station that watches prints the files of others, at first and when new ones come") {
+  const TempFolder folder;
+  const std::string rig = folder.write("tour.mvr", rig_bytes("Par 1"));
+  Footlight watching({"mvr", "watch", "--name", "Watch", "--json"}, kNoBus);
+  watching.wait_for("\"started\"");
+  const int port = Json::parse(watching.last_line())["port"];
+  Footlight sharing({"mvr", "share", rig, "--name", "View", "--station", fmt::format("127.0.0.1:{}", port)}, kNoBus);
+  sharing.wait_for("Watch  127.0.0.1:");  // has joined it
+  watching.wait_for("\"joined\"");
+  (void)folder.write("tour.mvr", rig_bytes("Par 2"));
+  watching.wait_for("\"committed\"");
+  const Json commit = Json::parse(watching.last_line());
+  CHECK(commit["station"] == "View");
+  CHECK(commit["file"]["file_name"] == "tour.mvr");
+  sharing.signal(SIGTERM);
+  CHECK(sharing.wait().exit_code == 0);
+  watching.wait_for("\"left\"");
+  watching.signal(SIGINT);
+  CHECK(watching.wait().exit_code == 0);
+}
+
+TEST_CASE("a shared file is read again a second after its last change, and not if only its time changed") {
+  const TempFolder folder;
+  const std::string path = folder.write("rig.mvr", rig_bytes("Par 1"));
+  tools::SharedFile file = must(tools::SharedFile::open(path, "c"));
+  TimeNs now_ns = 100 * kNsPerS;
+  const auto later = [&](DurationNs by_ns) {
+    now_ns += by_ns;
+    return file.poll(now_ns);
+  };
+  CHECK(!must(later(0)));
+  (void)folder.write("rig.mvr", rig_bytes("Par 10"));
+  CHECK(!must(later(kNsPerS)));
+  (void)folder.write("rig.mvr", rig_bytes("Par 100"));
+  CHECK(!must(later(kNsPerS)));  // still changing
+  const auto revision = must(later(kNsPerS));
+  REQUIRE(revision.has_value());
+  CHECK(revision->commit.file_uuid != file.first().commit.file_uuid);
+  CHECK(revision->bytes->size() == fs::file_size(path));
+  CHECK(!must(later(kNsPerS)));
+  fs::last_write_time(path, fs::last_write_time(path) + std::chrono::seconds(5));
+  CHECK(!must(later(kNsPerS)));
+  CHECK(!must(later(kNsPerS)));
+  (void)folder.write("rig.mvr", "half");
+  CHECK(!must(later(kNsPerS)));
+  CHECK(!later(kNsPerS));        // is no rig
+  CHECK(!must(later(kNsPerS)));  // and that is said once
+  (void)folder.write("rig.mvr", rig_bytes("Par 1"));
+  CHECK(!must(later(kNsPerS)));
+  const auto back = must(later(kNsPerS));
+  REQUIRE(back.has_value());
+  CHECK(back->commit.file_uuid == file.first().commit.file_uuid);  // the same content
+}
+
+}  // namespace
+}  // namespace footlight::testing
