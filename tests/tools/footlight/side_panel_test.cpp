@@ -72,5 +72,26 @@ TEST_CASE("panels that stay as they are need not be drawn again, and those that 
   CHECK(shown.changes(*ImGui::GetDrawData()));
 }
 
+TEST_CASE("a slider that moves by less than a quarter of a pixel need not be drawn again, until it has moved by one") {
+  SidePanel panel;
+  panel.facts.has_log = true;
+  panel.controls.transport.duration_ns = 60 * kNsPerS;
+  panel.controls.transport.now_ns = 10 * kNsPerS;
+  for (int i = 0; i < 3; ++i) panel.frame();  // sizes settle
+  ShownUi shown;
+  CHECK(shown.changes(*ImGui::GetDrawData()));
+  const TimeNs from_ns = panel.controls.transport.now_ns;
+  while (panel.controls.transport.now_ns < from_ns + 99 * kNsPerMs) {  // within a tenth of a second, which is text
+    panel.controls.transport.now_ns += kNsPerMs;
+    panel.frame();
+    if (shown.changes(*ImGui::GetDrawData())) break;
+  }
+  // Some four pixels a second.
+  CHECK(panel.controls.transport.now_ns > from_ns + 50 * kNsPerMs);
+  CHECK(panel.controls.transport.now_ns < from_ns + 99 * kNsPerMs);
+  panel.frame();
+  CHECK(!shown.changes(*ImGui::GetDrawData()));
+}
+
 }  // namespace
 }  // namespace footlight::tools

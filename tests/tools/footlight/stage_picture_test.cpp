@@ -1,8 +1,13 @@
 // A picture of the stage that the GPU draws while the window's thread does other things.
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
+#include <cstdlib>
+#include <utility>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include "render/vk/memory.h"
 #include "tests/support/headless_vulkan.h"
@@ -99,6 +104,46 @@ TEST_CASE("a picture of another size than the one before has all of its pixels, 
     CHECK(!image.is_fresh());
     REQUIRE(must(copy->done(StagePicture::kForeverNs)));
     CHECK(is_filled(copy->take(), width, height));
+  }
+}
+
+double ms_since(std::chrono::steady_clock::time_point begun) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count();
+}
+
+// With FOOTLIGHT_PRINT_COSTS=1 it prints what the way costs: the least of five times.
+TEST_CASE("a picture of 3840 x 2160 comes through memory of the host with its first and its last pixel") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  vk::Device& device = vulkan.device();
+  const char* prints = std::getenv("FOOTLIGHT_PRINT_COSTS");  // NOLINT(concurrency-mt-unsafe): one thread
+  for (const auto& [width, height] : {std::pair(1280, 720), std::pair(3840, 2160)}) {
+    const vk::Image screen = make_screen(device, static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
+    must(device.run_once([&](VkCommandBuffer commands) { fill(commands, screen.handle); }));
+    auto picture = must(StagePicture::make(device));
+    UploadedImage image;
+    double down_ms = 1e9;
+    double copy_ms = 1e9;
+    double up_ms = 1e9;
+    for (int i = 0; i < (prints != nullptr ? 5 : 1); ++i) {
+      auto begun = std::chrono::steady_clock::now();
+      must(picture->begin(screen.handle, width, height, [](VkCommandBuffer) {}));
+      REQUIRE(must(picture->done(StagePicture::kForeverNs)));
+      down_ms = std::min(down_ms, ms_since(begun));
+      const HostPicture taken = picture->take();
+      CHECK(std::equal(kBytes.begin(), kBytes.end(), taken.rgba.begin()));
+      CHECK(std::equal(kBytes.begin(), kBytes.end(), taken.rgba.end() - 4));
+      begun = std::chrono::steady_clock::now();
+      must(image.set(device, taken));
+      copy_ms = std::min(copy_ms, ms_since(begun));
+      begun = std::chrono::steady_clock::now();
+      must(device.run_once([&](VkCommandBuffer commands) { image.record(commands); }));
+      up_ms = std::min(up_ms, ms_since(begun));
+    }
+    if (prints != nullptr) {
+      fmt::print("{} x {}: {} bytes; to the host {:.2f} ms, copy {:.2f} ms, to the window {:.2f} ms\n", width, height,
+                 4 * width * height, down_ms, copy_ms, up_ms);
+    }
   }
 }
 

@@ -20,6 +20,7 @@ constexpr int kShotsMax = 9999;
 struct Times {
   const FrameTimes& pictures;
   const FrameTimes& turns;   // of the user interface
+  const FrameTimes& shows;   // of those that changed the window
   const FrameTimes& panels;  // CPU
 };
 
@@ -37,6 +38,9 @@ nlohmann::json figures_of(const PreviewFacts& facts, const Times& times, const r
                          {"ui_frame_ms_p50", times.turns.quantile_ms(0.5)},
                          {"ui_frame_ms_p90", times.turns.quantile_ms(0.9)},
                          {"ui_frame_ms_p99", times.turns.quantile_ms(0.99)},
+                         {"show_frames", times.shows.count()},
+                         {"show_ms_p50", times.shows.quantile_ms(0.5)},
+                         {"show_ms_p90", times.shows.quantile_ms(0.9)},
                          {"ui_ms_p50", times.panels.quantile_ms(0.5)},
                          {"ui_ms_p90", times.panels.quantile_ms(0.9)},
                          {"gpu_ms", gpu_ms},
@@ -65,7 +69,7 @@ nlohmann::json figures_of(const PreviewFacts& facts, const Times& times, const r
 }  // namespace
 
 void Preview::print_second() {
-  nlohmann::json line = figures_of(facts_, {times_, turn_times_, ui_times_}, frame_->settings());
+  nlohmann::json line = figures_of(facts_, {times_, turn_times_, show_times_, ui_times_}, frame_->settings());
   line["event"] = "frames";
   line["fps"] = facts_.fps;
   line["selected"] = desk_->state().selection.fixtures.size();
@@ -76,6 +80,7 @@ void Preview::print_second() {
   line["outputs_live"] = outputs_view_.live_count();
   line["blackout"] = outputs_view_.darkness != Darkness::kNone;
   if (player_) line["time_ns"] = player_->now_ns();
+  if (player_) line["stands"] = !controls_.transport.playing && !controls_.transport.seek_ns;
   if (player_ && player_->index() != nullptr) line["indexed_ns"] = player_->index()->known_ns();
   // Names of inputs are the user's, and need not be UTF-8.
   fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -83,7 +88,7 @@ void Preview::print_second() {
 }
 
 void Preview::print_summary() {
-  nlohmann::json line = figures_of(facts_, {times_, turn_times_, ui_times_}, frame_->settings());
+  nlohmann::json line = figures_of(facts_, {times_, turn_times_, show_times_, ui_times_}, frame_->settings());
   const double elapsed_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
   line["event"] = "summary";
   line["device"] = device_->name();

@@ -115,8 +115,10 @@ Status Preview::turn() {
   read_second();
   presented_ = false;
   if (window_->minimised()) return {};
+  const TimeNs shows_ns = clock_.now_ns();
   FL_ASSIGN(const Window::Shown shown, window_->show(where));
   presented_ = shown == Window::Shown::kNew;
+  if (presented_) show_times_.add(static_cast<double>(clock_.now_ns() - shows_ns) * 1e-6);
   if (presented_) shot_taken_ = std::exchange(shot_asked_, false);
   if (presented_ && picture_ns_ < 0 && times_.count() > 0) picture_ns_ = clock_.now_ns() - begun_ns_;
   return {};

@@ -249,6 +249,7 @@ class Preview {
   MessageLog messages_;
   FrameTimes ui_times_;          // CPU time of the panels
   FrameTimes turn_times_{4096};  // from turn to turn: of the user interface
+  FrameTimes show_times_{4096};  // of turns that changed the window: until it was given to the window system
   PreviewControls controls_;
   PreviewFacts facts_;
   FrameTimes times_;      // from picture to picture of the stage

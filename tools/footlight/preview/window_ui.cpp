@@ -1,12 +1,17 @@
 #include "tools/footlight/preview/window_ui.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include <imgui/imgui.h>
 
 namespace footlight::tools {
 namespace {
+
+constexpr float kStillUnits = 0.25f;
 
 void add(std::vector<std::byte>& to, const void* from, std::size_t size_bytes) {
   if (size_bytes == 0) return;
@@ -24,27 +29,36 @@ void add(std::vector<std::byte>& to, const Value& value) {
 }  // namespace
 
 bool ShownUi::changes(const ImDrawData& data) {
-  next_.clear();
-  add(next_, data.DisplayPos);
-  add(next_, data.DisplaySize);
-  add(next_, data.FramebufferScale);
+  std::vector<std::byte>& exact = next_.exact;
+  exact.clear();
+  next_.places.clear();
+  add(exact, data.DisplayPos);
+  add(exact, data.DisplaySize);
+  add(exact, data.FramebufferScale);
   for (int i = 0; i < data.CmdListsCount; ++i) {
     const ImDrawList& list = *data.CmdLists[i];
-    add(next_, list.VtxBuffer.Size);
-    add(next_, list.IdxBuffer.Size);
-    add(next_, list.CmdBuffer.Size);
-    add(next_, list.VtxBuffer.Data, static_cast<std::size_t>(list.VtxBuffer.size_in_bytes()));
-    add(next_, list.IdxBuffer.Data, static_cast<std::size_t>(list.IdxBuffer.size_in_bytes()));
+    add(exact, list.VtxBuffer.Size);
+    add(exact, list.IdxBuffer.Size);
+    add(exact, list.CmdBuffer.Size);
+    add(exact, list.IdxBuffer.Data, static_cast<std::size_t>(list.IdxBuffer.size_in_bytes()));
+    for (const ImDrawVert& vertex : list.VtxBuffer) {
+      add(exact, vertex.uv);
+      add(exact, vertex.col);
+      next_.places.push_back(vertex.pos.x);
+      next_.places.push_back(vertex.pos.y);
+    }
     for (const ImDrawCmd& command : list.CmdBuffer) {
-      add(next_, command.ClipRect);
-      add(next_, command.TextureId);
-      add(next_, command.VtxOffset);
-      add(next_, command.IdxOffset);
-      add(next_, command.ElemCount);
+      add(exact, command.ClipRect);
+      add(exact, command.TextureId);
+      add(exact, command.VtxOffset);
+      add(exact, command.IdxOffset);
+      add(exact, command.ElemCount);
     }
   }
-  const bool same = next_.size() == last_.size() && std::memcmp(next_.data(), last_.data(), next_.size()) == 0;
-  next_.swap(last_);
+  const bool same = exact == shown_.exact &&
+                    std::equal(next_.places.begin(), next_.places.end(), shown_.places.begin(), shown_.places.end(),
+                               [](float now, float shown) { return std::abs(now - shown) < kStillUnits; });
+  if (!same) std::swap(next_, shown_);
   return !same;
 }
 
