@@ -63,6 +63,11 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
   }
   float scale_x = 1;
   float scale_y = 1;
+  glfwSetWindowUserPointer(window->window_, window.get());
+  glfwSetWindowSizeCallback(window->window_, &Window::on_size);
+  glfwSetFramebufferSizeCallback(window->window_, &Window::on_size);
+  glfwSetWindowIconifyCallback(window->window_, &Window::on_iconify);
+  window->read_sizes();
   glfwGetWindowContentScale(window->window_, &scale_x, &scale_y);
   window->ui_scale_ = std::clamp(std::max(scale_x, scale_y) / window->pixels_per_unit(), 1.0f, 4.0f);
   window->poll();
@@ -295,7 +300,6 @@ Status Window::start_ui() {
     io.FontGlobalScale = ui_scale_;
   }
   // ImGui calls the callbacks that are set already.
-  glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, &Window::on_key);
   glfwSetCharCallback(window_, &Window::on_character);
   glfwSetCursorPosCallback(window_, &Window::on_cursor);
@@ -355,6 +359,14 @@ void Window::on_button(GLFWwindow* window, int button, int action, int mods) {
 // The window system has lost what the window showed.
 void Window::on_refresh(GLFWwindow* window) { static_cast<Window*>(glfwGetWindowUserPointer(window))->damaged_ = true; }
 
+void Window::on_size(GLFWwindow* window, int, int) {
+  static_cast<Window*>(glfwGetWindowUserPointer(window))->resized_ = true;
+}
+
+void Window::on_iconify(GLFWwindow* window, int) {
+  static_cast<Window*>(glfwGetWindowUserPointer(window))->resized_ = true;
+}
+
 PixelRect Window::rect() const {
   PixelRect rect;
   glfwGetWindowPos(window_, &rect.x, &rect.y);
@@ -404,8 +416,17 @@ void Window::poll(double wait_s) {
   } else {
     glfwPollEvents();
   }
+  if (std::exchange(resized_, false)) read_sizes();
+}
+
+// Not at every turn: each of these calls waits for the X server, which may wait for a CPU.
+void Window::read_sizes() {
+  int units = 0;
+  int unused = 0;
+  glfwGetWindowSize(window_, &units, &unused);
   glfwGetFramebufferSize(window_, &width_, &height_);
   minimised_ = width_ == 0 || height_ == 0 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
+  pixels_per_unit_ = units > 0 && width_ > 0 ? static_cast<float>(width_) / static_cast<float>(units) : 1.0f;
 }
 
 void Window::pause(double pause_s) {
@@ -428,15 +449,6 @@ double Window::refresh_hz() {
 void Window::keep_open() { glfwSetWindowShouldClose(window_, GLFW_FALSE); }
 
 bool Window::wants_close() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
-
-float Window::pixels_per_unit() const {
-  int units = 0;
-  int pixels = 0;
-  int unused = 0;
-  glfwGetWindowSize(window_, &units, &unused);
-  glfwGetFramebufferSize(window_, &pixels, &unused);
-  return units > 0 && pixels > 0 ? static_cast<float>(pixels) / static_cast<float>(units) : 1.0f;
-}
 
 void Window::begin_ui() {
   ImGui_ImplVulkan_NewFrame();

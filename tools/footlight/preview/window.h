@@ -77,7 +77,7 @@ class Window {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   // Pixels per unit of ImGui, and the scale of the user interface for this screen.
-  [[nodiscard]] float pixels_per_unit() const;
+  [[nodiscard]] float pixels_per_unit() const { return pixels_per_unit_; }
   [[nodiscard]] float ui_scale() const { return ui_scale_; }
   // Pictures a second of the fastest screen; 60 if that is unknown.
   [[nodiscard]] static double refresh_hz();
@@ -115,6 +115,9 @@ class Window {
   static void on_cursor(GLFWwindow* window, double x, double y);
   static void on_button(GLFWwindow* window, int button, int action, int mods);
   static void on_refresh(GLFWwindow* window);
+  static void on_size(GLFWwindow* window, int width, int height);
+  static void on_iconify(GLFWwindow* window, int iconified);
+  void read_sizes();
   [[nodiscard]] PixelRect rect() const;
   void record_shot(VkCommandBuffer commands, VkImage image);
 
@@ -130,6 +133,8 @@ class Window {
   int width_ = 0;
   int height_ = 0;
   bool minimised_ = false;
+  bool resized_ = true;  // the sizes above are to be read again
+  float pixels_per_unit_ = 1;
   KeyPresses keys_;
   bool keeps_keys_ = false;  // those since the last poll()
   KeyTaps taps_;
