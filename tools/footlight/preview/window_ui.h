@@ -1,4 +1,4 @@
-// Whether what Dear ImGui draws is what the window shows, so that a window that has not changed need not be drawn again.
+// Whether what Dear ImGui draws is what the window shows. If so, the window need not be drawn again.
 #pragma once
 
 #include <cstddef>
