@@ -79,7 +79,9 @@ struct Stage {
   }
   // The first step after a restart takes jump_ns.
   [[nodiscard]] LogPlayer::Driven driven() {
-    return {device, *frame, taken_over,
+    return {device,
+            *frame,
+            taken_over,
             [this](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
               ++steps;
               exposed_ns = new_exposure ? dt_ns : exposed_ns + dt_ns;
@@ -88,7 +90,8 @@ struct Stage {
             [this] {
               ++restarts;
               clock.time_ns += jump_ns;
-            }};
+            },
+            in_flight};
   }
   void turn(DurationNs dt_ns = kPictureNs) { must(player->turn(transport, dt_ns, driven())); }
   void play(TimeNs until_ns) {
@@ -118,6 +121,7 @@ struct Stage {
   std::unique_ptr<LogPlayer> player;
   Transport transport;
   bool taken_over = false;
+  bool in_flight = false;  // a picture of the frame
   int steps = 0;
   int restarts = 0;
   DurationNs exposed_ns = 0;
@@ -218,6 +222,43 @@ TEST_CASE("the time that a seek takes is not played") {
   CHECK(stage.restarts - before == 3);  // in 180 pictures of 17 ms
   CHECK(*std::min_element(shown.begin(), shown.end()) >= 10 * kNsPerS);
   CHECK(*std::max_element(shown.begin(), shown.end()) <= 11 * kNsPerS);
+}
+
+TEST_CASE("while a picture is in flight a log plays on by steps that wait in the frame, however many") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Stage stage(vulkan.device(), 200 * kNsPerS);
+  stage.transport.duration_ns = stage.player->duration_ns();
+  stage.turn();
+  must(stage.frame->run_steps());
+  stage.in_flight = true;
+  const auto can_hold = [&](DurationNs dt_ns) {
+    return stage.player->can_hold(stage.transport, dt_ns, stage.driven());
+  };
+  REQUIRE(can_hold(50 * kNsPerS));
+  stage.turn(50 * kNsPerS);  // a change each 70 ms
+  CHECK(stage.transport.now_ns == 50 * kNsPerS + kPictureNs);
+  CHECK(stage.frame->pending_steps() > render::kStepsHeldMax);
+  CHECK(!can_hold(kPictureNs));  // too many wait
+  stage.in_flight = false;
+  must(stage.frame->run_steps());
+  CHECK(can_hold(kPictureNs));
+  CHECK(stage.state().heads != stage.replayed(0).heads);
+
+  stage.transport.seek_ns = 10 * kNsPerS;
+  CHECK(!can_hold(kPictureNs));
+  stage.transport.seek_ns.reset();
+  stage.transport.repeat_to(stage.player->now_ns() + kPictureNs);
+  CHECK(can_hold(kPictureNs / 2));
+  CHECK(!can_hold(2 * kPictureNs));  // back to the start
+  stage.transport.playing = false;
+  CHECK(can_hold(2 * kPictureNs));
+  stage.transport.repeat_all();
+  stage.transport.playing = true;
+  must(stage.player->work_at_index(kNsPerS, stage.driven()));
+  while (!stage.player->index()->done()) must(stage.player->work_at_index(kNsPerS, stage.driven()));
+  CHECK(can_hold(kPictureNs));
+  CHECK(!can_hold(30 * kNsPerS));  // a moment is nearer
 }
 
 TEST_CASE("what is taken over moves in a pause, and at the end of a log that does not repeat") {

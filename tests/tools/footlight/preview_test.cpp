@@ -89,6 +89,9 @@ TEST_CASE("the demo opens, draws, saves a picture and closes without a message f
   CHECK(line["event"] == "summary");
   CHECK(line["validation_messages"] == 0);
   CHECK(line["frames"].get<int>() >= 1);
+  // Panels turn while the software renderer draws a picture of the stage.
+  CHECK(line["ui_frames"].get<int>() > 2 * line["frames"].get<int>());
+  CHECK(line["ui_frame_ms_p99"].get<double>() >= line["ui_frame_ms_p50"].get<double>());
   CHECK(line["live"].get<int>() > 0);
   CHECK(line["shadows"].get<int>() > 0);
   CHECK(line["shadows_lost"] == 0);
@@ -193,19 +196,20 @@ TEST_CASE("a panel or a selection that is none is refused with what there is") {
   CHECK(contains(read(folder.file("err")), "--select Nobody"));
 }
 
-TEST_CASE("a GPU that is lost is replaced, and the preview continues at the same time of the log") {
+TEST_CASE("a GPU that is lost is replaced, for the stage and for the window, at the same time of the log") {
   if (!can_open_window()) return;
   const TempFolder folder;
   const int code = preview(folder,
                            "--demo --at 12s --seconds 3 --size 160x90 --json --panels inspector,universes "
                            "--select 'Profile 2'",
-                           "FOOTLIGHT_LOSE_DEVICE=2 ");
+                           "FOOTLIGHT_LOSE_DEVICE=0 FOOTLIGHT_LOSE_WINDOW=0 ");
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;
   INFO(err);
   REQUIRE(code == 0);
   const std::string out = read(folder.file("out"));
-  CHECK(contains(out, "\"event\":\"device-lost\""));
+  CHECK(contains(out, "\"device\":\"stage\",\"event\":\"device-lost\""));
+  CHECK(contains(out, "\"device\":\"window\",\"event\":\"device-lost\""));
   CHECK(contains(out, "device lost"));
   const nlohmann::json line = summary(folder);
   CHECK(line["event"] == "summary");

@@ -233,7 +233,8 @@ void arm_it(Desk& desk) {
   desk.click({200, 470});  // in the timeline
   desk.key("space");
   const Json there = desk.wait("a pause where it was clicked", [](const Json& line) {
-    return line["time_ns"] >= 4 * std::int64_t{1'000'000'000} && line["time_ns"] <= 15 * std::int64_t{1'000'000'000};
+    return line["stands"] == true && line["time_ns"] >= 4 * std::int64_t{1'000'000'000} &&
+           line["time_ns"] <= 15 * std::int64_t{1'000'000'000};
   });
   desk.key("m");
   desk.settle();

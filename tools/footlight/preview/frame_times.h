@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -10,9 +9,11 @@
 
 namespace footlight::tools {
 
-// The last 256 times.
+// The last times, `held_max` of them.
 class FrameTimes {
  public:
+  explicit FrameTimes(std::size_t held_max = 256) : ring_(held_max) {}
+
   void add(double ms) { ring_[count_++ % ring_.size()] = ms; }
   [[nodiscard]] std::uint64_t count() const { return count_; }
   [[nodiscard]] double quantile_ms(double share) const {
@@ -25,7 +26,7 @@ class FrameTimes {
   }
 
  private:
-  std::array<double, 256> ring_{};
+  std::vector<double> ring_;
   std::uint64_t count_ = 0;
 };
 

@@ -4,7 +4,7 @@
 //   FL_ASSIGN(auto outputs, LiveOutputs::start(plan, open, clock));
 //   outputs->follow(view);                              // rows to show
 //   ... view.arm.push_back(0); ...                      // the user
-//   outputs->give(universes, levels, sendable); outputs->follow(view);    // once a picture
+//   outputs->give(universes, levels, sendable); outputs->follow(view);    // once a turn
 //
 // An output that is not armed is not open, so it can send nothing. Arming opens it, on a thread of its own. Disarming
 // sends zeros and closes it, as the destructor does with all that are armed.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "render/passes/tonemap.h"
+#include "sim/core/check.h"
 
 namespace footlight::tools {
 namespace {
@@ -41,11 +42,12 @@ LogPlayer::LogPlayer(std::function<Timeline()> read, Clock& clock) : read_(std::
 }
 
 Status LogPlayer::advance(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
-  return advance_frame(*timeline_, driven.frame, until_ns, exposure_ns,
-                       [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
-                         levels_.assign(levels.begin(), levels.end());
-                         driven.step(levels, dt_ns, new_exposure);
-                       });
+  const auto step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+    levels_.assign(levels.begin(), levels.end());
+    driven.step(levels, dt_ns, new_exposure);
+  };
+  if (driven.holds_steps) return timeline_->advance(until_ns, exposure_ns, step);
+  return advance_frame(*timeline_, driven.frame, until_ns, exposure_ns, step);
 }
 
 // advance() from states that follow from the whole log, and a moment on the way for the next seek.
@@ -98,13 +100,28 @@ Status LogPlayer::seek(TimeNs until_ns, const Driven& driven) {
   return go_back(until_ns, kExposureNs, driven);
 }
 
-// Where that is earlier, or far ahead, from a moment or the start.
-Status LogPlayer::play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
-  moves_in_pause_ = false;
+// Whether steps from now on lead to this time: it is not earlier, and no moment is near it and far ahead of now.
+bool LogPlayer::goes_on(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) const {
   const SeekIndex::Moment* known = known_before(until_ns - exposure_ns, driven);
   const bool leaps = known != nullptr && known->position.now_ns > now_ns() + kLeapNs;
-  if (until_ns < now_ns() || leaps) return go_back(until_ns, exposure_ns, driven);
+  return until_ns >= now_ns() && !leaps;
+}
+
+// Else from a moment or the start.
+Status LogPlayer::play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
+  moves_in_pause_ = false;
+  if (!goes_on(until_ns, exposure_ns, driven)) return go_back(until_ns, exposure_ns, driven);
   return advance(until_ns, exposure_ns, driven);
+}
+
+bool LogPlayer::can_hold(const Transport& transport, DurationNs dt_ns, const Driven& driven) const {
+  if (transport.seek_ns || driven.frame.steps_are_due()) return false;
+  if (!transport.playing) return true;
+  dt_ns = std::max<DurationNs>(dt_ns - sought_ns_, 0);
+  Transport now = transport;
+  now.now_ns = now_ns();
+  const TimeNs next_ns = now.next_ns(dt_ns);
+  return next_ns == now_ns() || goes_on(next_ns, std::min(dt_ns, kExposureNs), driven);
 }
 
 // From the last moment before this time, else from the start of the log.
@@ -130,6 +147,7 @@ Status LogPlayer::go_back(TimeNs until_ns, DurationNs exposure_ns, const Driven&
 }
 
 Status LogPlayer::turn(Transport& transport, DurationNs dt_ns, const Driven& driven) {
+  FL_CHECK(!driven.holds_steps || can_hold(transport, dt_ns, driven));
   dt_ns = std::max<DurationNs>(dt_ns - std::exchange(sought_ns_, 0), 0);
   transport.now_ns = now_ns();
   const TimeNs next_ns = transport.playing ? transport.next_ns(dt_ns) : now_ns();

@@ -38,6 +38,7 @@ class LogPlayer {
     bool taken_over = false;        // `step` changes levels: moments lack that
     Timeline::Step step;            // passes a step to the frame and to whatever else follows the levels
     std::function<void()> restart;  // called before steps that do not follow from the steps before
+    bool holds_steps = false;       // a picture of the frame is in flight: its GPU cannot be used now
   };
 
   // read: makes a timeline of the log from its start, for the rig of the frames that are driven. It is called again for
@@ -55,6 +56,8 @@ class LogPlayer {
   // last call; the part of it that a seek took is not played. In a pause, and at the end of the log, fixtures stand
   // still until something is taken over; then they go on with the levels held.
   Status turn(Transport& transport, DurationNs dt_ns, const Driven& driven);
+  // Whether turn() needs nothing but to note steps in the frame. Required of a turn() with Driven::holds_steps.
+  [[nodiscard]] bool can_hold(const Transport& transport, DurationNs dt_ns, const Driven& driven) const;
 
   // Makes moments for about budget_ns. After an error of the log there is no index any more, and take_news() returns
   // why; else it is empty.
@@ -68,6 +71,7 @@ class LogPlayer {
 
  private:
   [[nodiscard]] const SeekIndex::Moment* known_before(TimeNs time_ns, const Driven& driven) const;
+  [[nodiscard]] bool goes_on(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) const;
   Status play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
   Status go_back(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
   Status replay(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);

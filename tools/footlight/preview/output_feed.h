@@ -1,8 +1,8 @@
 // The levels of the picture as a source of a pump whose sinks drive real lamps, and how these lamps are left
 // (decision 0140).
 //
-// The window's thread gives the levels once a picture. The pump's thread passes the newest ones on kOutputRateHz times
-// a second, however long pictures take. In a blackout it passes zeros instead. If the window's thread gave nothing for
+// The window's thread gives the levels once a turn, however long pictures take. The pump's thread passes the newest
+// ones on kOutputRateHz times a second. In a blackout it passes zeros instead. If the window's thread gave nothing for
 // kSilenceMaxNs while an output is armed, a blackout begins, since the user can then not begin one.
 //
 // Threads: give() belongs to the window's thread, what is marked so to the pump's. Neither waits for the other.

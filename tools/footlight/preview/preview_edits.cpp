@@ -167,7 +167,8 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
     } else if (made) {
       error_.reset();
       facts_.error = {};  // that of the rig from before
-      error_tried_ = error_drawn_ = shown_ = false;
+      error_tried_ = error_drawn_ = false;
+      picture_since_ns_ = -1;
       frame_ = std::move((*made)->frame);
       videos_.show_all_again();
       if ((*made)->player) player_ = std::move((*made)->player);
@@ -187,21 +188,6 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
   panels_.pause(failed_ != nullptr);
   desk_->pause_overlay(failed_ != nullptr);
   return making_.valid() || (scene != framed_ && scene != failed_);
-}
-
-// The last picture again, under what lies over it.
-Status Preview::show_still(const PixelRect& where) {
-  shown_ = false;
-  if (window_->minimised()) return {};
-  WindowPicture picture;
-  if (picture_ns_ >= 0) {
-    picture.image = facts_.flashes_held ? flashes_->standing() : frame_->resources().picture.screen.handle;
-    picture.width = frame_->settings().width;
-    picture.height = frame_->settings().height;
-  }
-  picture.place = where;
-  FL_TRY(window_->show(picture, [](VkCommandBuffer) {}));
-  return {};
 }
 
 void Preview::save() {

@@ -17,19 +17,32 @@ namespace {
 
 constexpr int kShotsMax = 9999;
 
-nlohmann::json figures_of(const PreviewFacts& facts, const FrameTimes& times, const FrameTimes& ui_times,
-                          const render::FrameSettings& settings) {
+struct Times {
+  const FrameTimes& pictures;
+  const FrameTimes& turns;   // of the user interface
+  const FrameTimes& shows;   // of those that changed the window
+  const FrameTimes& panels;  // CPU
+};
+
+nlohmann::json figures_of(const PreviewFacts& facts, const Times& times, const render::FrameSettings& settings) {
   nlohmann::json passes = nlohmann::json::object();
   double gpu_ms = 0;
   for (const auto& pass : facts.passes) {
     passes[pass.name] = pass.gpu_ms;
     gpu_ms += pass.gpu_ms;
   }
-  nlohmann::json line = {{"frames", times.count()},
-                         {"frame_ms_p50", times.quantile_ms(0.5)},
-                         {"frame_ms_p90", times.quantile_ms(0.9)},
-                         {"ui_ms_p50", ui_times.quantile_ms(0.5)},
-                         {"ui_ms_p90", ui_times.quantile_ms(0.9)},
+  nlohmann::json line = {{"frames", times.pictures.count()},
+                         {"frame_ms_p50", times.pictures.quantile_ms(0.5)},
+                         {"frame_ms_p90", times.pictures.quantile_ms(0.9)},
+                         {"ui_frames", times.turns.count()},
+                         {"ui_frame_ms_p50", times.turns.quantile_ms(0.5)},
+                         {"ui_frame_ms_p90", times.turns.quantile_ms(0.9)},
+                         {"ui_frame_ms_p99", times.turns.quantile_ms(0.99)},
+                         {"show_frames", times.shows.count()},
+                         {"show_ms_p50", times.shows.quantile_ms(0.5)},
+                         {"show_ms_p90", times.shows.quantile_ms(0.9)},
+                         {"ui_ms_p50", times.panels.quantile_ms(0.5)},
+                         {"ui_ms_p90", times.panels.quantile_ms(0.9)},
                          {"gpu_ms", gpu_ms},
                          {"pass_gpu_ms", passes},
                          {"width", settings.width},
@@ -56,7 +69,7 @@ nlohmann::json figures_of(const PreviewFacts& facts, const FrameTimes& times, co
 }  // namespace
 
 void Preview::print_second() {
-  nlohmann::json line = figures_of(facts_, times_, ui_times_, frame_->settings());
+  nlohmann::json line = figures_of(facts_, {times_, turn_times_, show_times_, ui_times_}, frame_->settings());
   line["event"] = "frames";
   line["fps"] = facts_.fps;
   line["selected"] = desk_->state().selection.fixtures.size();
@@ -67,6 +80,7 @@ void Preview::print_second() {
   line["outputs_live"] = outputs_view_.live_count();
   line["blackout"] = outputs_view_.darkness != Darkness::kNone;
   if (player_) line["time_ns"] = player_->now_ns();
+  if (player_) line["stands"] = !controls_.transport.playing && !controls_.transport.seek_ns;
   if (player_ && player_->index() != nullptr) line["indexed_ns"] = player_->index()->known_ns();
   // Names of inputs are the user's, and need not be UTF-8.
   fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -74,7 +88,7 @@ void Preview::print_second() {
 }
 
 void Preview::print_summary() {
-  nlohmann::json line = figures_of(facts_, times_, ui_times_, frame_->settings());
+  nlohmann::json line = figures_of(facts_, {times_, turn_times_, show_times_, ui_times_}, frame_->settings());
   const double elapsed_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
   line["event"] = "summary";
   line["device"] = device_->name();
@@ -82,6 +96,7 @@ void Preview::print_summary() {
   line["first_text_ms"] = static_cast<double>(progress_ns_) * 1e-6;
   line["first_picture_ms"] = static_cast<double>(picture_ns_) * 1e-6;
   line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
+  line["ui_fps"] = elapsed_s > 0 ? static_cast<double>(turn_times_.count()) / elapsed_s : 0;
   line["validation_messages"] = validation_messages();
   fmt::print("{}\n", line.dump());
 }

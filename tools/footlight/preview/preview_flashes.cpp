@@ -13,7 +13,7 @@ constexpr VkDeviceSize kSmallBytes = VkDeviceSize{kSmallWidth} * kSmallHeight * 
 }  // namespace
 
 Result<std::unique_ptr<PreviewFlashes>> PreviewFlashes::make(render::vk::Device& device, bool limit) {
-  std::unique_ptr<PreviewFlashes> made(new PreviewFlashes(device, limit));
+  std::unique_ptr<PreviewFlashes> made(new PreviewFlashes(limit));
   FL_ASSIGN(made->small_, render::vk::Image::create(device, kSmallWidth, kSmallHeight, VK_FORMAT_R8G8B8A8_UNORM,
                                                     VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                                                         VK_IMAGE_USAGE_SAMPLED_BIT));
@@ -54,30 +54,5 @@ bool PreviewFlashes::take(DurationNs at_ns) {
 }
 
 bool PreviewFlashes::must_wait(DurationNs at_ns) { return watch_.must_wait(at_ns, small()); }
-
-Status PreviewFlashes::resize(int width, int height) {
-  if (!limit_ || (width == width_ && height == height_)) return {};
-  FL_ASSIGN(standing_, render::vk::Image::create(device_, static_cast<std::uint32_t>(width),
-                                                 static_cast<std::uint32_t>(height), VK_FORMAT_R8G8B8A8_UNORM,
-                                                 VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
-                                                     VK_IMAGE_USAGE_SAMPLED_BIT));
-  width_ = width;
-  height_ = height;
-  // Black until a picture of this size has been shown.
-  return device_.run_once([&](VkCommandBuffer commands) {
-    render::vk::change_layout(commands, standing_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
-    const VkClearColorValue black{{0, 0, 0, 1}};
-    const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    vkCmdClearColorImage(commands, standing_.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
-  });
-}
-
-void PreviewFlashes::record_keep(VkCommandBuffer commands, VkImage picture) {
-  VkImageCopy copy{};
-  copy.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  copy.dstSubresource = copy.srcSubresource;
-  copy.extent = {static_cast<std::uint32_t>(width_), static_cast<std::uint32_t>(height_), 1};
-  vkCmdCopyImage(commands, picture, VK_IMAGE_LAYOUT_GENERAL, standing_.handle, VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
-}
 
 }  // namespace footlight::tools

@@ -36,10 +36,12 @@ PixelRect Preview::place() const {
           std::max(window_->height(), 1)};
 }
 
+// Of the picture that is shown, which may be one behind the camera.
 StagePlace Preview::stage() const {
   const PixelRect where = place();
   const double scale = static_cast<double>(window_->pixels_per_unit());
-  return {render::view_of(desk_->state().camera.camera()), {where.width / scale, where.height / scale}};
+  const OrbitCamera& camera = shown_camera_ ? *shown_camera_ : desk_->state().camera;
+  return {render::view_of(camera.camera()), {where.width / scale, where.height / scale}};
 }
 
 const StagePick& Preview::pick() {

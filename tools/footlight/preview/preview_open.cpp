@@ -4,6 +4,9 @@
 #include <cstdio>
 #include <utility>
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <fmt/format.h>
 
 #include "fixtures/displays/pixel_slots.h"
@@ -21,6 +24,7 @@ namespace {
 constexpr int kStripWidth = 800;                      // in a window narrower than this the panel begins as a strip
 constexpr int kSoftwarePixels = 640 * 360;            // about as many as a software renderer begins with
 constexpr std::chrono::milliseconds kQuickRead(200);  // a rig that is read sooner is read before the window opens
+constexpr int kStageNice = 5;                         // of the stage's threads, in software: a third of the weight
 constexpr double kProgressS = 0.1;                    // from text to text while it loads
 
 // Runs `work` on its own thread.
@@ -28,6 +32,19 @@ template <class Work>
 std::future<Status> begin(Work work) {
   const NoSignals no_signals;
   return std::async(std::launch::async, std::move(work));
+}
+
+// The threads of a software renderer have the niceness of the thread that makes its device. With this one they leave
+// the CPU to the window's thread and its renderer whenever these have something to do.
+Result<std::unique_ptr<render::vk::Device>> make_nice_device(const render::vk::DeviceOptions& options) {
+  const NoSignals no_signals;
+  return std::async(std::launch::async,
+                    [&]() -> Result<std::unique_ptr<render::vk::Device>> {
+                      // Of this thread alone, on Linux. Where it is refused, panels are less smooth.
+                      (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kStageNice);
+                      return render::vk::Device::create(options);
+                    })
+      .get();
 }
 
 }  // namespace
@@ -40,16 +57,24 @@ Status Preview::load_rig(double aspect) {
   return {};
 }
 
-// The device and what is made from it but for the frame.
-Status Preview::open_device() {
+// That of the window, which shows pictures and draws panels. The GPU is the same as that of the stage.
+Status Preview::open_window_device() {
   render::vk::DeviceOptions device;
   device.instance_extensions = window_->instance_extensions();
   device.swapchain = true;
   device.name_contains = options_.device;
+  FL_ASSIGN(window_device_, render::vk::Device::create(device));
+  return window_->attach(*window_device_);
+}
+
+// That of the stage, and what is made from it but for the frame.
+Status Preview::open_device() {
+  render::vk::DeviceOptions device;
+  device.name_contains = options_.device;
   device.cache_folder = cache_folder();
-  FL_ASSIGN(device_, render::vk::Device::create(device));
+  FL_ASSIGN(device_, window_device_->is_software() ? make_nice_device(device) : render::vk::Device::create(device));
   for (const std::string& note : device_->notes()) fmt::print(stderr, "footlight: {}\n", note);
-  FL_TRY(window_->attach(*device_));
+  FL_ASSIGN(picture_, StagePicture::make(*device_));
   FL_ASSIGN(counts_, render::vk::Buffer::host_visible(*device_, sizeof(render::CountsRow), 0));
   if (options_.flashes != FlashMode::kOff) {
     FL_ASSIGN(flashes_, PreviewFlashes::make(*device_, options_.flashes == FlashMode::kLimit));
@@ -126,9 +151,10 @@ Result<bool> Preview::open(const StopSignal& signal) {
     FL_TRY(take_rig());
   }
   FL_ASSIGN(window_, Window::open("Footlight", size.width, size.height));
+  FL_TRY(open_window_device());
+  FL_TRY(show_progress(quick ? "Preparing the picture" : "Reading the rig"));
   FL_TRY(open_device());
   if (!quick) {
-    FL_TRY(show_progress("Reading the rig"));
     FL_ASSIGN(const bool goes_on, wait_for(reading, signal, "Reading the rig"));
     if (!goes_on) return false;
     FL_TRY(take_rig());
@@ -167,8 +193,8 @@ Status Preview::show_progress(const char* what) {
   const double seconds = static_cast<double>(clock_.now_ns() - begun_ns_) * 1e-9;
   draw_progress(fmt::format("{} ... {:.0f} s", what, seconds));
   window_->end_ui();
-  FL_ASSIGN(const bool shown, window_->show({}, [](VkCommandBuffer) {}));
-  if (shown && progress_ns_ < 0) {
+  FL_ASSIGN(const Window::Shown shown, window_->show({}));
+  if (shown == Window::Shown::kNew && progress_ns_ < 0) {
     progress_ns_ = clock_.now_ns() - begun_ns_;
     if (options_.json) {
       fmt::print(R"({{"event":"loading","ms":{:.1f}}})"

@@ -51,7 +51,7 @@ Status Preview::move_output(const OutputsView::Move& move) {
   return outputs_->replace(move.row, std::move(plan.outputs.front()));
 }
 
-// Once a picture, also while it stands still: the levels that it shows, and what the user asks for.
+// Once a turn, also while the picture stands still: the newest levels, and what the user asks for.
 void Preview::drive_outputs() {
   // While a frame of an edited rig is being made, the levels are still in the places of the rig from before.
   const auto& before = framed_->own_universes;

@@ -215,6 +215,7 @@ std::string age_text(DurationNs age_ns) {
 void draw_live(const PreviewFacts& facts, const LiveLevels& live) {
   heading("Live");
   for (const PortStatus& port : facts.status.ports) {
+    if (port.is_sink) continue;  // the window itself
     ui_text(colour_of(port.state), port.name);
     const std::string figure =
         port.state == PortState::kWorking ? fmt::format("{:.0f} /s", port.rate_hz) : word_of(port.state);

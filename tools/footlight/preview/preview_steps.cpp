@@ -12,7 +12,8 @@ namespace {
 
 constexpr DurationNs kIndexNs = 2 * kNsPerMs;  // for the index of a log, each picture
 constexpr DurationNs kIndexPausedNs = 10 * kNsPerMs;
-constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;  // live pictures are that late: looks may be on their way
+constexpr DurationNs kMeanwhileNs = 22 * kNsPerMs;  // from step to step while a picture is in flight: 45 a second
+constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;   // live pictures are that late: looks may be on their way
 
 }  // namespace
 
@@ -95,7 +96,10 @@ void Preview::show_videos() {
   }
 }
 
-Status Preview::step_levels(DurationNs dt_ns) {
+// Up to this turn, between two pictures.
+Status Preview::step_levels() {
+  const DurationNs dt_ns = last_ns_ - std::exchange(stepped_ns_, last_ns_);
+  frame_->adapt_for(dt_ns);  // also while the log is paused
   if (live_) {
     live_->take();
     const TimeNs until_ns = std::max(last_ns_ - kWireDelayNs, live_timeline_->now_ns());
@@ -107,6 +111,27 @@ Status Preview::step_levels(DurationNs dt_ns) {
   }
   FL_TRY(player_->turn(controls_.transport, dt_ns, driven()));
   return work_at_index();
+}
+
+// Up to this turn, while a picture is in flight: for panels and outputs. The steps wait in the frame for the next
+// picture. What needs the GPU waits for the end of this one: seeks, a log that repeats, too many steps, and edits.
+Status Preview::step_meanwhile() {
+  const DurationNs dt_ns = last_ns_ - stepped_ns_;
+  const bool edited = edited_->scene() != framed_ && edited_->scene() != failed_;
+  if (edited || dt_ns < kMeanwhileNs || frame_->steps_are_due()) return {};
+  LogPlayer::Driven holding = driven();
+  holding.holds_steps = true;
+  if (player_ && !player_->can_hold(controls_.transport, dt_ns, holding)) return {};
+  stepped_ns_ = last_ns_;
+  frame_->adapt_for(dt_ns);
+  if (player_) return player_->turn(controls_.transport, dt_ns, holding);
+  if (hand_) {
+    give(hand_->levels(), dt_ns, true);
+    return {};
+  }
+  live_->take();
+  const TimeNs until_ns = std::max(last_ns_ - kWireDelayNs, live_timeline_->now_ns());
+  return live_timeline_->advance(until_ns, std::min(dt_ns, LogPlayer::kExposureNs), holding.step);
 }
 
 }  // namespace footlight::tools

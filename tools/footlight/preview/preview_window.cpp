@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -21,6 +22,7 @@ namespace footlight::tools {
 namespace {
 
 constexpr DurationNs kSettleNs = 200 * kNsPerMs;   // a new size is taken when the window has kept it for this long
+constexpr DurationNs kFactsNs = 100 * kNsPerMs;    // from one moment that the side panel shows to the next
 constexpr DurationNs kLossPauseNs = 60 * kNsPerS;  // devices that are lost sooner one after the other are counted
 constexpr int kLossesMax = 3;
 
@@ -52,47 +54,101 @@ Result<int> Preview::open_and_turn() {
   signal.also_hangup();
   FL_ASSIGN(const bool opened, open(signal));
   if (!opened) return kExitOk;
-  start_ns_ = last_ns_ = second_ns_ = clock_.now_ns();
+  start_ns_ = last_ns_ = second_ns_ = stepped_ns_ = clock_.now_ns();
   device_->lose_from_environment();
+  if (const char* submits = std::getenv("FOOTLIGHT_LOSE_WINDOW"); submits != nullptr) {
+    window_device_->lose_after(std::strtoull(submits, nullptr, 10));
+  }
   while (!signal.came() && !((window_->wants_close() || closing_) && may_close())) {
     Status turned = turn();
-    if (!turned && device_->lost()) turned = start_again(turned.error());
+    if (!turned && (device_->lost() || window_device_->lost())) turned = start_again(turned.error());
     FL_TRY(turned);
   }
   outputs_.reset();
+  if (picture_->in_flight()) FL_TRY(picture_->done(StagePicture::kForeverNs));
   FL_TRY(window_->wait_gpu());
   if (!options_.screenshot.empty()) FL_TRY(write_shot());
   if (options_.json) print_summary();
   return validation_messages() == 0 ? kExitOk : kExitFailed;
 }
 
-// One picture.
+// Until the screen shows its next picture; sooner if a picture of the stage is done that takes longer than that.
+Status Preview::pace() {
+  if (window_->minimised()) return {};  // poll() waits
+  const auto tick_ns = static_cast<DurationNs>(1e9 / Window::refresh_hz());
+  // Where presenting waits for the screen, this only bounds the rate.
+  const bool waits_itself = presented_ && !device_->is_software();
+  const DurationNs left_ns = last_ns_ + (waits_itself ? tick_ns / 2 : tick_ns) - clock_.now_ns();
+  if (left_ns <= 0) return {};
+  if (picture_->in_flight() && clock_.now_ns() - drawn_ns_ > tick_ns) {
+    FL_TRY(picture_->done(static_cast<std::uint64_t>(left_ns)));
+  } else {
+    window_->pause(static_cast<double>(left_ns) * 1e-9);
+  }
+  return {};
+}
+
+// One turn of the user interface. The stage gets its turn when no picture of it is in flight.
 Status Preview::turn() {
+  FL_TRY(pace());
   window_->poll();
   const TimeNs now_ns = clock_.now_ns();
-  const DurationNs dt_ns = now_ns - last_ns_;
+  turn_times_.add(static_cast<double>(now_ns - last_ns_) * 1e-6);
   last_ns_ = now_ns;
-  if (options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9) {
-    closing_ = times_out_ = true;
+  times_out_ = options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9;
+  FL_TRY(take_picture());
+  if (times_out_ && (times_.count() > 0 || window_->minimised())) {  // a short time still shows a picture
+    closing_ = true;
     window_->keep_shot();
   }
   draw_ui();
-  FL_TRY(window_->wait_gpu());
   if (std::exchange(shot_taken_, false)) write_own_shot();
   keep_edits();
   keep_markers();
   const PixelRect where = place();
+  if (picture_->in_flight()) {
+    FL_TRY(step_meanwhile());
+  } else {
+    FL_TRY(turn_stage(where));
+  }
+  drive_outputs();
+  read_second();
+  presented_ = false;
+  if (window_->minimised()) return {};
+  const TimeNs shows_ns = clock_.now_ns();
+  FL_ASSIGN(const Window::Shown shown, window_->show(where));
+  presented_ = shown == Window::Shown::kNew;
+  if (presented_) show_times_.add(static_cast<double>(clock_.now_ns() - shows_ns) * 1e-6);
+  if (presented_) shot_taken_ = std::exchange(shot_asked_, false);
+  if (presented_ && picture_ns_ < 0 && times_.count() > 0) picture_ns_ = clock_.now_ns() - begun_ns_;
+  return {};
+}
+
+// All that touches the frame between two pictures, and the beginning of the next one.
+Status Preview::turn_stage(const PixelRect& where) {
   FL_ASSIGN(const bool still, follow_edits(where));
   if (still) {
-    drive_outputs();
-    return show_still(where);
+    stepped_ns_ = last_ns_;
+    return {};
   }
-  FL_TRY(read_figures(dt_ns));
+  if (!fits_controls(where)) FL_TRY(rebuild(where));
+  FL_TRY(update_error());
+  follow_inputs();
+  FL_TRY(step_levels());
+  show_videos();
+  if (window_->minimised()) {  // the fixtures continue without pictures
+    picture_since_ns_ = -1;
+    return frame_->run_steps();
+  }
+  return closing_ ? Status{} : draw();
+}
 
+// False: the frame has to be another one, for its size or its settings. A new size counts when it has settled.
+bool Preview::fits_controls(const PixelRect& where) {
   if (where.width != wanted_width_ || where.height != wanted_height_) {
     wanted_width_ = where.width;
     wanted_height_ = where.height;
-    wanted_since_ns_ = now_ns;
+    wanted_since_ns_ = last_ns_;
   }
   const render::FrameSettings& settings = frame_->settings();
   const bool other_size = settings.width != std::max(where.width / controls_.divisor, 1) ||
@@ -102,40 +158,21 @@ Status Preview::turn() {
   render::Knobs drawn = render::knobs_of(settings);
   drawn.divisor = knobs.divisor;  // a part of the size
   if (knobs.gobo_method == render::GoboMethod::kSuited) drawn.gobo_method = knobs.gobo_method;
-  const bool other_knobs = drawn != knobs;
-  if (other_knobs || controls_.haze != settings.haze || other_display(controls_, settings) ||
-      (other_size && now_ns - wanted_since_ns_ >= kSettleNs && !window_->minimised())) {
-    FL_TRY(rebuild(where));
-  }
-  FL_TRY(update_error());
-  follow_inputs();
-  FL_TRY(step_levels(dt_ns));
-  show_videos();
-  drive_outputs();
-  frame_->adapt_for(dt_ns);    // also while the log is paused
-  if (window_->minimised()) {  // the fixtures continue without pictures
-    shown_ = false;
-    return frame_->run_steps();
-  }
-
-  FL_TRY(draw(where, now_ns));
-  if (shown_) shot_taken_ = std::exchange(shot_asked_, false);
-  if (shown_ && picture_ns_ < 0) picture_ns_ = clock_.now_ns() - begun_ns_;
-  return {};
+  const bool settled = last_ns_ - wanted_since_ns_ >= kSettleNs && !window_->minimised();
+  return drawn == knobs && controls_.haze == settings.haze && !other_display(controls_, settings) &&
+         !(other_size && settled);
 }
 
-Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
+// Begins a picture.
+Status Preview::draw() {
   const VkImage screen = frame_->resources().picture.screen.handle;
   const render::FrameSettings& settings = frame_->settings();
-  WindowPicture picture;
-  picture.image = screen;
-  picture.width = settings.width;
-  picture.height = settings.height;
-  picture.place = where;
-  drawn_ns_ = now_ns;
-  const auto compute = [&](VkCommandBuffer commands) {
+  drawn_ns_ = last_ns_;
+  drawn_camera_ = desk_->state().camera;
+  if (picture_since_ns_ < 0) picture_since_ns_ = drawn_ns_;
+  return picture_->begin(screen, settings.width, settings.height, [&](VkCommandBuffer commands) {
     frame_->set_work_light_lx(controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0);
-    frame_->record(commands, render::view_of(desk_->state().camera.camera()), controls_.exposure_ev);
+    frame_->record(commands, render::view_of(drawn_camera_->camera()), controls_.exposure_ev);
     error_drawn_ = error_ != nullptr;
     if (error_) error_->record(commands);
     render::vk::full_barrier(commands);
@@ -143,77 +180,86 @@ Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
     vkCmdCopyBuffer(commands, frame_->resources().rig.counts.handle, counts_.handle, 1, &region);
     render::vk::host_barrier(commands);
     if (flashes_) flashes_->record_read(commands, screen, settings.width, settings.height);
-  };
-  if (!flashes_ || !flashes_->limits()) {
-    FL_ASSIGN(shown_, window_->show(picture, compute));
-    return {};
+  });
+}
+
+// The picture in flight goes to the window, if it is done. At the end it is waited for.
+Status Preview::take_picture() {
+  if (!picture_->in_flight()) return {};
+  FL_ASSIGN(const bool done, picture_->done(times_out_ ? StagePicture::kForeverNs : 0));
+  if (!done) return {};
+  const HostPicture picture = picture_->take();
+  FL_TRY(read_picture());
+  if (flashes_) {
+    const DurationNs at_ns = last_ns_ - start_ns_;
+    const std::size_t stretches = flashes_->watch().stretches().size();
+    if (flashes_->limits()) {
+      facts_.flashes_held = flashes_->must_wait(at_ns);
+    } else {
+      (void)flashes_->take(at_ns);
+    }
+    tell_flashes(flashes_->watch().stretches().size() > stretches);
+    if (facts_.flashes_held) return {};
   }
-  // Whether the picture may be shown is known when it is done.
-  FL_TRY(flashes_->resize(settings.width, settings.height));
-  FL_TRY(device_->run_once(compute));
-  const std::size_t stretches = flashes_->watch().stretches().size();
-  const bool waits = flashes_->must_wait(now_ns - start_ns_);
-  tell_flashes(flashes_->watch().stretches().size() > stretches);
-  facts_.flashes_held = waits;
-  if (waits) picture.image = flashes_->standing();
-  FL_ASSIGN(shown_, window_->show(picture, [&](VkCommandBuffer commands) {
-    if (!waits) flashes_->record_keep(commands, screen);
-  }));
+  shown_camera_ = drawn_camera_;
+  return window_->set_picture(picture);
+}
+
+// The figures of a picture that is done.
+Status Preview::read_picture() {
+  const double picture_ms = static_cast<double>(last_ns_ - picture_since_ns_) * 1e-6;
+  picture_since_ns_ = last_ns_;
+  times_.add(picture_ms);
+  ++second_frames_;
+  FL_ASSIGN(facts_.passes, frame_->read_times());
+  double gpu_ms = 0;
+  for (const auto& pass : facts_.passes) gpu_ms += pass.gpu_ms;
+  if (facts_.passes.empty()) gpu_ms = picture_ms;  // a device without time stamps
+  if (keeper_ && keeper_->take(drawn_ns_, gpu_ms)) follow_knobs(keeper_->point());
+  if (error_ && error_drawn_) {
+    FL_TRY(error_->take(drawn_ns_));
+    facts_.error = error_->estimate();
+    facts_.passes.push_back({"error", error_->gpu_ms()});
+  }
+  render::CountsRow counts{};
+  std::memcpy(&counts, counts_.mapped, sizeof(counts));
+  facts_.live_beams = counts.live_count;
+  facts_.dark_beams = counts.dark_count;
+  facts_.shadows = counts.shadows;
+  facts_.shadows_lost = counts.shadows_lost;
+  facts_.width = frame_->settings().width;
+  facts_.height = frame_->settings().height;
+  facts_.gpu_mib = static_cast<double>(frame_->bytes()) / (1024.0 * 1024.0);
   return {};
 }
 
-// Of the picture that is now finished.
-Status Preview::read_figures(DurationNs dt_ns) {
-  if (shown_) {
-    times_.add(static_cast<double>(dt_ns) * 1e-6);
-    ++second_frames_;
-    FL_ASSIGN(facts_.passes, frame_->read_times());
-    double gpu_ms = 0;
-    for (const auto& pass : facts_.passes) gpu_ms += pass.gpu_ms;
-    if (facts_.passes.empty()) gpu_ms = static_cast<double>(dt_ns) * 1e-6;  // a device without time stamps
-    if (keeper_ && keeper_->take(drawn_ns_, gpu_ms)) follow_knobs(keeper_->point());
-    if (error_ && error_drawn_) {
-      FL_TRY(error_->take(drawn_ns_));
-      facts_.error = error_->estimate();
-      facts_.passes.push_back({"error", error_->gpu_ms()});
-    }
-    render::CountsRow counts{};
-    std::memcpy(&counts, counts_.mapped, sizeof(counts));
-    facts_.live_beams = counts.live_count;
-    facts_.dark_beams = counts.dark_count;
-    facts_.shadows = counts.shadows;
-    facts_.shadows_lost = counts.shadows_lost;
-    if (flashes_ && !flashes_->limits()) tell_flashes(flashes_->take(drawn_ns_ - start_ns_));
-  }
-  facts_.now_ns = clock_.now_ns();
+// What panels show of this moment, and once a second the figures.
+void Preview::read_second() {
+  if (last_ns_ - facts_.now_ns < kFactsNs) return;  // ages that change more often cannot be read, and cost a redraw
+  facts_.now_ns = last_ns_;
   facts_.room_haze_per_m = framed_->rig.haze.scattering_per_m;
   if (const fixtures::MachineAir* air = frame_->machine_air(); air != nullptr) {
     facts_.machines = air->count();
     facts_.machine_haze_per_m = air->haze_per_m();
     facts_.machine_fog_per_m = air->fog_per_m();
   }
-  facts_.width = frame_->settings().width;
-  facts_.height = frame_->settings().height;
-  facts_.gpu_mib = static_cast<double>(frame_->bytes()) / (1024.0 * 1024.0);
   const DurationNs since_ns = facts_.now_ns - second_ns_;
-  if (since_ns >= kNsPerS) {
-    facts_.fps = static_cast<double>(second_frames_) * 1e9 / static_cast<double>(since_ns);
-    second_ns_ = facts_.now_ns;
-    second_frames_ = 0;
-    if (live_) {
-      facts_.status = live_->status();
-      for (std::string& notice : live_->notices()) {
-        if (!options_.json) fmt::print(stderr, "footlight: {}\n", notice);
-        tell(notice);
-        facts_.notice = std::move(notice);
-      }
+  if (since_ns < kNsPerS || times_.count() == 0) return;
+  facts_.fps = static_cast<double>(second_frames_) * 1e9 / static_cast<double>(since_ns);
+  second_ns_ = facts_.now_ns;
+  second_frames_ = 0;
+  if (live_) {
+    facts_.status = live_->status();
+    for (std::string& notice : live_->notices()) {
+      if (!options_.json) fmt::print(stderr, "footlight: {}\n", notice);
+      tell(notice);
+      facts_.notice = std::move(notice);
     }
-    facts_.frame_p50_ms = times_.quantile_ms(0.5);
-    facts_.frame_p90_ms = times_.quantile_ms(0.9);
-    facts_.ui_ms = ui_times_.quantile_ms(0.5);
-    if (options_.json) print_second();
   }
-  return {};
+  facts_.frame_p50_ms = times_.quantile_ms(0.5);
+  facts_.frame_p90_ms = times_.quantile_ms(0.9);
+  facts_.ui_ms = ui_times_.quantile_ms(0.5);
+  if (options_.json) print_second();
 }
 
 void Preview::tell_flashes(bool begins) {
@@ -280,33 +326,49 @@ Status Preview::rebuild(const PixelRect& where) {
     print_warnings(frame_->resources().rig.diagnostics);
     if (hand_) frame_->settle_machine_air(hand_->levels());
   }
-  shown_ = false;
+  picture_since_ns_ = -1;
   wanted_width_ = where.width;
   wanted_height_ = where.height;
   return {};
 }
 
-// After the loss of the device: a new one, and a frame made from it. Heads that follow a log go where the log has them;
-// others start from where their channels stand. A device that is lost again and again ends the preview.
+// After the loss of a device: a new one. One that is lost again and again ends the preview.
 Status Preview::start_again(const Error& loss) {
   const TimeNs now_ns = clock_.now_ns();
-  losses_ = now_ns - lost_ns_ < kLossPauseNs ? losses_ + 1 : 1;
-  lost_ns_ = now_ns;
-  if (losses_ > kLossesMax) return tl::unexpected<Error>(loss);
+  const bool of_stage = device_->lost();
+  Losses& losses = of_stage ? stage_losses_ : window_losses_;
+  losses.count = now_ns - losses.last_ns < kLossPauseNs ? losses.count + 1 : 1;
+  losses.last_ns = now_ns;
+  if (losses.count > kLossesMax) return tl::unexpected<Error>(loss);
   if (options_.json) {
-    const nlohmann::json line = {{"event", "device-lost"}, {"message", loss.message}};
+    const nlohmann::json line = {
+        {"event", "device-lost"}, {"device", of_stage ? "stage" : "window"}, {"message", loss.message}};
     fmt::print("{}\n", line.dump());
     std::fflush(stdout);
   } else {
     fmt::print(stderr, "footlight: {}; going on with a new device\n", loss.message);
   }
-  messages_before_ = validation_messages();
+  return of_stage ? replace_stage() : replace_window();
+}
+
+// The window shows black until the next picture of the stage.
+Status Preview::replace_window() {
+  messages_before_ += window_device_->validation_messages().size();
+  window_->detach();
+  window_device_.reset();
+  return open_window_device();
+}
+
+// And a frame made from the new device. Heads that follow a log go where the log has them; others start from where
+// their channels stand. The window shows the last picture meanwhile.
+Status Preview::replace_stage() {
+  messages_before_ += device_->validation_messages().size();
   drop_frame();
+  picture_.reset();
   error_.reset();
   frame_.reset();
   flashes_.reset();
   counts_ = {};
-  window_->detach();
   device_.reset();
   FL_TRY(open_device());
   facts_.device = device_->name();
@@ -319,7 +381,7 @@ Status Preview::start_again(const Error& loss) {
     curve_.reset();
   }
   panels_.restart();
-  last_ns_ = clock_.now_ns();  // a log does not play meanwhile
+  last_ns_ = stepped_ns_ = clock_.now_ns();  // a log does not play meanwhile
   return player_ ? player_->seek(at_ns, driven()) : Status{};
 }
 

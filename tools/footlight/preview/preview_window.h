@@ -1,5 +1,9 @@
 // The loop of `footlight preview`: levels from a log, an input or faders -> Frame -> window. Only for the files
 // preview_*.cpp, each of which has one part of it.
+//
+// One thread, two devices (decision 0150): that of the stage draws pictures for as long as they take, that of the
+// window shows the last one under the panels, as often as the screen does. While a picture is in flight nothing that
+// its commands use may change: all that touches frame_ but step() happens in turn_stage().
 #pragma once
 
 #include <array>
@@ -33,8 +37,9 @@
 #include "tools/footlight/preview/preview.h"
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
-#include "tools/footlight/preview/ui/keys.h"
+#include "tools/footlight/preview/stage_picture.h"
 #include "tools/footlight/preview/ui/inputs_view.h"
+#include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/messages.h"
 #include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
@@ -63,25 +68,34 @@ class Preview {
   Status load_rig(double aspect);
   Result<RigFile> open_file();
   Status open_levels(bool again = false);
+  Status open_window_device();
   Status open_device();
   Status set_controls(const fixtures::Camera& camera);
   Status make_ladder();
   Result<bool> wait_for(std::future<Status>& work, const StopSignal& signal, const char* what);
   Status show_progress(const char* what);
 
-  // Picture after picture: preview_window.cpp.
+  // Turn after turn: preview_window.cpp.
   Status turn();
+  Status pace();
+  Status take_picture();
+  Status turn_stage(const PixelRect& where);
+  [[nodiscard]] bool fits_controls(const PixelRect& where);
   [[nodiscard]] render::FrameSettings frame_settings(const PixelRect& where) const;
   Status rebuild(const PixelRect& where);
   Status update_error();
   void follow_knobs(const render::KnobPoint& point);
-  Status draw(const PixelRect& where, TimeNs now_ns);
-  Status read_figures(DurationNs dt_ns);
+  Status draw();
+  Status read_picture();
+  void read_second();
   void tell_flashes(bool begins);
   Status start_again(const Error& loss);
+  Status replace_stage();
+  Status replace_window();
 
   // What drives the fixtures: preview_steps.cpp.
-  Status step_levels(DurationNs dt_ns);
+  Status step_levels();
+  Status step_meanwhile();
   void show_videos();
   [[nodiscard]] std::unique_ptr<LogPlayer> make_player(SharedScene scene);
   [[nodiscard]] LogPlayer::Driven driven();
@@ -123,7 +137,6 @@ class Preview {
   Result<bool> follow_edits(const PixelRect& where);
   Status take_scene(const PreviewScene& before);
   void open_inputs_again(const PreviewScene& before);
-  Status show_still(const PixelRect& where);
   void save();
   void keep_edits();
   void end_edits();
@@ -156,7 +169,7 @@ class Preview {
   Status write_shot();
   void write_own_shot();
   [[nodiscard]] std::size_t validation_messages() const {
-    return messages_before_ + device_->validation_messages().size();
+    return messages_before_ + device_->validation_messages().size() + window_device_->validation_messages().size();
   }
 
   const PreviewOptions& options_;
@@ -187,11 +200,14 @@ class Preview {
   Markers saved_markers_;            // as the file has them
   std::optional<LightCurve> curve_;  // of the log, from the moments of its index
 
-  std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
+  std::unique_ptr<render::vk::Device> window_device_;  // outlives the window's swapchain
   std::unique_ptr<Window> window_;
+  std::unique_ptr<render::vk::Device> device_;  // of the stage
   std::unique_ptr<render::Frame> frame_;
   std::unique_ptr<PreviewFlashes> flashes_;   // null: --flashes off
-  TimeNs drawn_ns_ = 0;                       // when the current picture was started
+  TimeNs drawn_ns_ = 0;                       // when the newest picture was started
+  std::optional<OrbitCamera> drawn_camera_;   // of it
+  std::optional<OrbitCamera> shown_camera_;   // of the picture that the window shows; nothing: there is none
   render::vk::Buffer counts_;                 // of the current picture, for the panel
   std::unique_ptr<render::LiveError> error_;  // while the panel shows it; null in a rig without light
   render::Knobs knobs_;                       // but for nodes and divisor, which are those of controls_
@@ -200,7 +216,7 @@ class Preview {
   std::vector<render::KnobPoint> ladder_;     // for --error and --ms; else empty
   std::optional<render::TimeKeeper> keeper_;  // for --ms
   std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
-  bool shown_ = false;                        // a picture is in flight; its figures can be read when it is done
+  std::unique_ptr<StagePicture> picture_;     // destroyed before what its commands use
 
   // Edits.
   struct Made;
@@ -222,7 +238,7 @@ class Preview {
   std::unique_ptr<UiDesk> desk_;  // once the rig is read
   UiPanels panels_;
   Palette palette_;
-  std::unique_ptr<StagePick> pick_;     // made by the first selection
+  std::unique_ptr<StagePick> pick_;  // made by the first selection
   StageHandles handles_;
   std::vector<std::uint8_t> overlaid_;  // levels with what was taken over
   std::vector<std::uint8_t> panel_levels_;
@@ -231,10 +247,12 @@ class Preview {
   bool shot_asked_ = false;                 // the next picture is kept
   bool shot_taken_ = false;
   MessageLog messages_;
-  FrameTimes ui_times_;
+  FrameTimes ui_times_;          // CPU time of the panels
+  FrameTimes turn_times_{4096};  // from turn to turn: of the user interface
+  FrameTimes show_times_{4096};  // of turns that changed the window: until it was given to the window system
   PreviewControls controls_;
   PreviewFacts facts_;
-  FrameTimes times_;
+  FrameTimes times_;      // from picture to picture of the stage
   int wanted_width_ = 0;  // of the window's place for the picture when last looked at, and since when
   int wanted_height_ = 0;
   TimeNs wanted_since_ns_ = 0;
@@ -243,12 +261,18 @@ class Preview {
   DurationNs progress_ns_ = -1;  // from there to the first text in the window; -1: not yet
   DurationNs picture_ns_ = -1;   // to the first picture
   TimeNs start_ns_ = 0;
-  TimeNs last_ns_ = 0;
-  TimeNs second_ns_ = 0;  // when the figures were last computed
+  TimeNs last_ns_ = 0;            // when the last turn began
+  TimeNs stepped_ns_ = 0;         // up to when the fixtures have moved
+  TimeNs picture_since_ns_ = -1;  // when the picture before was done; -1: the next one is the first of its kind
+  bool presented_ = false;        // by the last turn
+  TimeNs second_ns_ = 0;          // when the figures were last computed
   std::uint64_t second_frames_ = 0;
   bool closing_ = false;
-  int losses_ = 0;  // of devices, shortly one after the other
-  TimeNs lost_ns_ = 0;
+  struct Losses {
+    int count = 0;  // shortly one after the other
+    TimeNs last_ns = 0;
+  };
+  Losses stage_losses_, window_losses_;
   std::size_t messages_before_ = 0;  // of the validation layer, of devices that were lost
 };
 

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
-#include <mutex>
+#include <utility>
 
 #include <unistd.h>
 
@@ -22,7 +21,6 @@ namespace {
 
 namespace vk = render::vk;
 
-constexpr std::uint64_t kAcquirePatienceNs = 1'000'000'000;
 constexpr double kMinimisedWaitS = 0.1;
 constexpr float kFontPx = 14;
 // From Debian's fonts-dejavu-core, which every desktop has; ImGui's built-in font if it is missing.
@@ -32,10 +30,6 @@ std::string last_glfw_error() {
   const char* text = nullptr;
   glfwGetError(&text);
   return text != nullptr ? text : "unknown error";
-}
-
-void change_layout(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
-  render::vk::change_layout(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, from, to);
 }
 
 }  // namespace
@@ -69,6 +63,11 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
   }
   float scale_x = 1;
   float scale_y = 1;
+  glfwSetWindowUserPointer(window->window_, window.get());
+  glfwSetWindowSizeCallback(window->window_, &Window::on_size);
+  glfwSetFramebufferSizeCallback(window->window_, &Window::on_size);
+  glfwSetWindowIconifyCallback(window->window_, &Window::on_iconify);
+  window->read_sizes();
   glfwGetWindowContentScale(window->window_, &scale_x, &scale_y);
   window->ui_scale_ = std::clamp(std::max(scale_x, scale_y) / window->pixels_per_unit(), 1.0f, 4.0f);
   window->poll();
@@ -99,6 +98,9 @@ void Window::detach() {
   }
   if (ImGui::GetCurrentContext() != nullptr) ImGui::DestroyContext();
   shot_ = {};
+  picture_ = {};
+  shown_.forget();
+  damaged_ = true;
   mouse_.clear();
   device_ = nullptr;
   ui_started_ = false;
@@ -298,11 +300,11 @@ Status Window::start_ui() {
     io.FontGlobalScale = ui_scale_;
   }
   // ImGui calls the callbacks that are set already.
-  glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, &Window::on_key);
   glfwSetCharCallback(window_, &Window::on_character);
   glfwSetCursorPosCallback(window_, &Window::on_cursor);
   glfwSetMouseButtonCallback(window_, &Window::on_button);
+  glfwSetWindowRefreshCallback(window_, &Window::on_refresh);
   double x = 0;
   double y = 0;
   glfwGetCursorPos(window_, &x, &y);  // it may be pressed before it moves
@@ -354,6 +356,17 @@ void Window::on_button(GLFWwindow* window, int button, int action, int mods) {
   self->mouse_.take_button(button, action == GLFW_PRESS, mods);
 }
 
+// The window system has lost what the window showed.
+void Window::on_refresh(GLFWwindow* window) { static_cast<Window*>(glfwGetWindowUserPointer(window))->damaged_ = true; }
+
+void Window::on_size(GLFWwindow* window, int, int) {
+  static_cast<Window*>(glfwGetWindowUserPointer(window))->resized_ = true;
+}
+
+void Window::on_iconify(GLFWwindow* window, int) {
+  static_cast<Window*>(glfwGetWindowUserPointer(window))->resized_ = true;
+}
+
 PixelRect Window::rect() const {
   PixelRect rect;
   glfwGetWindowPos(window_, &rect.x, &rect.y);
@@ -396,29 +409,46 @@ void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, t
 void Window::hide() { glfwHideWindow(window_); }
 
 void Window::poll(double wait_s) {
-  keys_.clear();
+  if (!std::exchange(keeps_keys_, false)) keys_.clear();
   if (minimised() && device_ != nullptr) wait_s = kMinimisedWaitS;
   if (wait_s > 0) {
     glfwWaitEventsTimeout(wait_s);
   } else {
     glfwPollEvents();
   }
+  if (std::exchange(resized_, false)) read_sizes();
+}
+
+// Not at every turn: each of these calls waits for the X server, which may wait for a CPU.
+void Window::read_sizes() {
+  int units = 0;
+  int unused = 0;
+  glfwGetWindowSize(window_, &units, &unused);
   glfwGetFramebufferSize(window_, &width_, &height_);
   minimised_ = width_ == 0 || height_ == 0 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
+  pixels_per_unit_ = units > 0 && width_ > 0 ? static_cast<float>(width_) / static_cast<float>(units) : 1.0f;
+}
+
+void Window::pause(double pause_s) {
+  if (!std::exchange(keeps_keys_, true)) keys_.clear();
+  const double until_s = glfwGetTime() + pause_s;
+  for (double left_s = pause_s; left_s > 0; left_s = until_s - glfwGetTime()) glfwWaitEventsTimeout(left_s);
+}
+
+double Window::refresh_hz() {
+  int count = 0;
+  GLFWmonitor** monitors = glfwGetMonitors(&count);
+  int most_hz = 0;
+  for (int i = 0; i < count; ++i) {
+    const GLFWvidmode* mode = glfwGetVideoMode(monitors[i]);
+    if (mode != nullptr) most_hz = std::max(most_hz, mode->refreshRate);
+  }
+  return most_hz > 0 ? most_hz : 60;
 }
 
 void Window::keep_open() { glfwSetWindowShouldClose(window_, GLFW_FALSE); }
 
 bool Window::wants_close() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
-
-float Window::pixels_per_unit() const {
-  int units = 0;
-  int pixels = 0;
-  int unused = 0;
-  glfwGetWindowSize(window_, &units, &unused);
-  glfwGetFramebufferSize(window_, &pixels, &unused);
-  return units > 0 && pixels > 0 ? static_cast<float>(pixels) / static_cast<float>(units) : 1.0f;
-}
 
 void Window::begin_ui() {
   ImGui_ImplVulkan_NewFrame();
@@ -442,128 +472,5 @@ void Window::begin_ui() {
 }
 
 void Window::end_ui() { ImGui::Render(); }
-
-Status Window::wait_gpu() { return device_->wait(done_); }
-
-void Window::record_shot(VkCommandBuffer commands, VkImage image) {
-  change_layout(commands, image, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-  VkBufferImageCopy region{};
-  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  region.imageExtent = {extent_.width, extent_.height, 1};
-  vkCmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, shot_.handle, 1, &region);
-  vk::host_barrier(commands);
-  change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
-}
-
-void Window::record_all(VkCommandBuffer commands, std::uint32_t index, const WindowPicture& picture) {
-  const Target& target = targets_[index];
-  change_layout(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  const auto width = static_cast<int>(extent_.width);
-  const auto height = static_cast<int>(extent_.height);
-  const int left = std::clamp(picture.place.x, 0, width);
-  const int top = std::clamp(picture.place.y, 0, height);
-  const int right = std::clamp(picture.place.x + picture.place.width, left, width);
-  const int bottom = std::clamp(picture.place.y + picture.place.height, top, height);
-  if (left > 0 || top > 0 || right < width || bottom < height) {
-    const VkClearColorValue black{{0, 0, 0, 1}};
-    const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    vkCmdClearColorImage(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &black, 1, &range);
-    change_layout(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  }
-  if (right > left && bottom > top) {
-    VkImageBlit blit{};
-    blit.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    blit.srcOffsets[1] = {picture.width, picture.height, 1};
-    blit.dstSubresource = blit.srcSubresource;
-    blit.dstOffsets[0] = {left, top, 0};
-    blit.dstOffsets[1] = {right, bottom, 1};
-    const bool same_size = right - left == picture.width && bottom - top == picture.height;
-    vkCmdBlitImage(commands, picture.image, VK_IMAGE_LAYOUT_GENERAL, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                   1, &blit, same_size ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
-  }
-  VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
-  begin.renderPass = render_pass_;
-  begin.framebuffer = target.framebuffer;
-  begin.renderArea.extent = extent_;
-  vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
-  ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands);
-  vkCmdEndRenderPass(commands);
-}
-
-Result<bool> Window::show(const WindowPicture& picture, const std::function<void(VkCommandBuffer)>& record) {
-  FL_TRY(wait_gpu());
-  if (static_cast<int>(extent_.width) != width_ || static_cast<int>(extent_.height) != height_) stale_ = true;
-  if (stale_) FL_TRY(create_swapchain());
-  if (stale_) return false;
-  std::uint32_t index = 0;
-  const VkResult acquired =
-      vkAcquireNextImageKHR(device_->handle, swapchain_, kAcquirePatienceNs, acquired_, VK_NULL_HANDLE, &index);
-  if (acquired == VK_ERROR_OUT_OF_DATE_KHR) stale_ = true;
-  if (acquired == VK_ERROR_OUT_OF_DATE_KHR || acquired == VK_TIMEOUT || acquired == VK_NOT_READY) return false;
-  if (acquired == VK_SUBOPTIMAL_KHR) {
-    stale_ = true;  // this image is still usable
-  } else {
-    FL_TRY(vk::check(acquired, "vkAcquireNextImageKHR"));
-  }
-  const bool shot = shot_wanted_ && readable_;
-  if (shot) {
-    shot_extent_ = extent_;
-    FL_ASSIGN(shot_, vk::Buffer::host_visible(*device_, VkDeviceSize{extent_.width} * extent_.height * 4, 0));
-  }
-  shot_wanted_ = false;
-
-  VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  FL_TRY(vk::check(vkBeginCommandBuffer(commands_, &begin), "vkBeginCommandBuffer"));
-  record(commands_);
-  vk::full_barrier(commands_);
-  record_all(commands_, index, picture);
-  if (shot) record_shot(commands_, targets_[index].image);
-  FL_TRY(vk::check(vkEndCommandBuffer(commands_), "vkEndCommandBuffer"));
-
-  // The picture is computed while the screen may still use the image; only the copy waits for it.
-  const VkPipelineStageFlags wait_stage = VK_PIPELINE_STAGE_TRANSFER_BIT;
-  VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
-  submit.waitSemaphoreCount = 1;
-  submit.pWaitSemaphores = &acquired_;
-  submit.pWaitDstStageMask = &wait_stage;
-  submit.commandBufferCount = 1;
-  submit.pCommandBuffers = &commands_;
-  submit.signalSemaphoreCount = 1;
-  submit.pSignalSemaphores = &targets_[index].drawn;
-  FL_TRY(vk::check(vkResetFences(device_->handle, 1, &done_), "vkResetFences"));
-  std::unique_lock lock(device_->queue_mutex);
-  FL_TRY(device_->submit_locked(submit, done_));
-
-  VkPresentInfoKHR present{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
-  present.waitSemaphoreCount = 1;
-  present.pWaitSemaphores = &targets_[index].drawn;
-  present.swapchainCount = 1;
-  present.pSwapchains = &swapchain_;
-  present.pImageIndices = &index;
-  const VkResult presented = vkQueuePresentKHR(device_->queue, &present);
-  lock.unlock();
-  if (presented == VK_ERROR_OUT_OF_DATE_KHR || presented == VK_SUBOPTIMAL_KHR) {
-    stale_ = true;
-  } else {
-    FL_TRY(vk::check(presented, "vkQueuePresentKHR"));
-  }
-  return true;
-}
-
-Result<render::ScreenImage> Window::read_shot() {
-  FL_TRY(wait_gpu());
-  render::ScreenImage image;
-  if (shot_.mapped == nullptr) return image;
-  image.width = static_cast<int>(shot_extent_.width);
-  image.height = static_cast<int>(shot_extent_.height);
-  image.rgba.resize(shot_.size_bytes);
-  std::memcpy(image.rgba.data(), shot_.mapped, image.rgba.size());
-  for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4) {
-    if (format_.format == VK_FORMAT_B8G8R8A8_UNORM) std::swap(image.rgba[i], image.rgba[i + 2]);
-    image.rgba[i + 3] = 255;
-  }
-  return image;
-}
 
 }  // namespace footlight::tools

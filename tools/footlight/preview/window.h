@@ -6,18 +6,18 @@
 //   FL_TRY(window->attach(*device));
 //   while (!window->wants_close()) {
 //     window->poll();
+//     if (there is a new picture) FL_TRY(window->set_picture(picture));
 //     window->begin_ui();  ... ImGui ...  window->end_ui();
-//     FL_TRY(window->wait_gpu());
-//     FL_TRY(window->show(picture, [&](VkCommandBuffer commands) { frame->record(commands, view, ev); }));
+//     FL_TRY(window->show(place));
 //   }
 //
-// One frame in flight, because a frame starts from the states and levels of the one before: a second one would wait for
-// the first anyway, and one gives a frame less delay. Waits for the screen (FIFO), at most one second.
+// The picture comes through memory of the host, so that the device that draws it can be another one, which may be busy
+// (decision 0150). One frame in flight: the GPU only copies a picture and draws ImGui's triangles. Waits for the screen
+// (FIFO), at most one second.
 //
 // Independent of rigs. Threads: the main thread only, as GLFW requires. The device must outlive attach()ed windows.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +27,8 @@
 #include "render/vk/memory.h"
 #include "tools/footlight/preview/key_presses.h"
 #include "tools/footlight/preview/mouse_queue.h"
+#include "tools/footlight/preview/uploaded_image.h"
+#include "tools/footlight/preview/window_ui.h"
 
 struct GLFWwindow;
 
@@ -37,14 +39,7 @@ struct PixelRect {
   int y = 0;
   int width = 0;
   int height = 0;
-};
-
-// The picture for show(): an image in VK_IMAGE_LAYOUT_GENERAL, stretched over a part of the window.
-struct WindowPicture {
-  VkImage image = VK_NULL_HANDLE;
-  int width = 0;
-  int height = 0;
-  PixelRect place;  // clipped to the window; the rest, or all of it without an image, is black
+  bool operator==(const PixelRect&) const = default;
 };
 
 class Window {
@@ -68,6 +63,8 @@ class Window {
 
   // Handles events. Waits up to wait_s for one; while the window is minimised, up to 100 ms.
   void poll(double wait_s = 0);
+  // Handles events for that long. Its keys are among those of the next poll().
+  void pause(double pause_s);
   [[nodiscard]] bool wants_close() const;
   // The user is asked first: wants_close() is false until the next time.
   void keep_open();
@@ -80,8 +77,10 @@ class Window {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   // Pixels per unit of ImGui, and the scale of the user interface for this screen.
-  [[nodiscard]] float pixels_per_unit() const;
+  [[nodiscard]] float pixels_per_unit() const { return pixels_per_unit_; }
   [[nodiscard]] float ui_scale() const { return ui_scale_; }
+  // Pictures a second of the fastest screen; 60 if that is unknown.
+  [[nodiscard]] static double refresh_hz();
 
   // ImGui's mouse is where it was when a button went down or up; a picture gets at most one of these.
   void begin_ui();
@@ -89,9 +88,13 @@ class Window {
 
   // Returns when the GPU is done with the last show().
   Status wait_gpu();
-  // Records `record`, then the picture, then ImGui's draw data; submits and presents. If the window has just changed
-  // its size, nothing is recorded and the result is false.
-  [[nodiscard]] Result<bool> show(const WindowPicture& picture, const std::function<void(VkCommandBuffer)>& record);
+  // What the next show() shows; copies it. Until the first one there is none.
+  Status set_picture(const HostPicture& picture);
+  // The picture stretched over `place`, which is clipped to the window, and ImGui's draw data over it; the rest is
+  // black. Submits and presents. If the window has just changed its size, nothing is shown and the result is kLater.
+  // If all of it is what the window shows already, nothing needs to be done: kSame.
+  enum class Shown { kLater, kSame, kNew };
+  [[nodiscard]] Result<Shown> show(const PixelRect& place);
 
   // The next show() keeps a copy of the window for read_shot().
   void keep_shot() { shot_wanted_ = true; }
@@ -104,11 +107,17 @@ class Window {
   void destroy_swapchain();
   Status create_render_pass();
   Status start_ui();
-  void record_all(VkCommandBuffer commands, std::uint32_t index, const WindowPicture& picture);
+  Status present(std::uint32_t index);
+  void record_picture(VkCommandBuffer commands, VkImage target, const PixelRect& place);
+  void record_ui(VkCommandBuffer commands, const VkFramebuffer& target);
   static void on_key(GLFWwindow* window, int key, int scancode, int action, int mods);
   static void on_character(GLFWwindow* window, unsigned int character);
   static void on_cursor(GLFWwindow* window, double x, double y);
   static void on_button(GLFWwindow* window, int button, int action, int mods);
+  static void on_refresh(GLFWwindow* window);
+  static void on_size(GLFWwindow* window, int width, int height);
+  static void on_iconify(GLFWwindow* window, int iconified);
+  void read_sizes();
   [[nodiscard]] PixelRect rect() const;
   void record_shot(VkCommandBuffer commands, VkImage image);
 
@@ -124,7 +133,10 @@ class Window {
   int width_ = 0;
   int height_ = 0;
   bool minimised_ = false;
+  bool resized_ = true;  // the sizes above are to be read again
+  float pixels_per_unit_ = 1;
   KeyPresses keys_;
+  bool keeps_keys_ = false;  // those since the last poll()
   KeyTaps taps_;
   MouseQueue mouse_;
   PixelRect before_full_;  // where the window was before it became full screen
@@ -146,6 +158,11 @@ class Window {
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkSemaphore acquired_ = VK_NULL_HANDLE;
   VkFence done_ = VK_NULL_HANDLE;
+
+  UploadedImage picture_;
+  ShownUi shown_;
+  PixelRect place_;      // of the last show()
+  bool damaged_ = true;  // the window shows something else than the last show()
 
   bool shot_wanted_ = false;
   render::vk::Buffer shot_;
