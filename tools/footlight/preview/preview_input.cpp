@@ -48,7 +48,7 @@ const StagePick& Preview::pick() {
 }
 
 // Everything that is drawn over the picture, and what it and the keys ask for.
-void Preview::draw_ui() {
+void Preview::draw_ui(DurationNs dt_ns) {
   const TimeNs begun_ns = clock_.now_ns();
   window_->begin_ui();
   const auto any_button = [](bool (*is)(ImGuiMouseButton)) { return is(0) || is(1) || is(2); };
@@ -85,7 +85,7 @@ void Preview::draw_ui() {
     chosen = found;
   }
   if (chosen) call(*chosen);
-  take_input(palette_open);
+  take_input(palette_open, dt_ns);
   // The last movement of a drag comes with the release.
   begin_gesture([](ImGuiMouseButton button) { return ImGui::IsMouseReleased(button); });
   draw_measures();
@@ -93,6 +93,8 @@ void Preview::draw_ui() {
     draw_marks(edited_->scene()->rig, pick(), stage(), selection, window_->ui_scale());
     if (desk_->handles()) draw_handles(handles_, *desk_, pick(), stage(), window_->ui_scale());
   }
+  draw_box(box_, window_->ui_scale());
+  draw_fly(desk_->fly(), stage(), window_->ui_scale());
   show_exposure();
   draw_questions();
   if (std::string news = desk_->take_news(); !news.empty()) tell(std::move(news));
@@ -104,6 +106,11 @@ void Preview::draw_ui() {
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
   window_->end_ui();
   ui_times_.add(static_cast<double>(clock_.now_ns() - begun_ns) * 1e-6);
+}
+
+void Preview::cancel_drags() {
+  handles_.cancel(*desk_);
+  box_.cancel();
 }
 
 // True: the left button of the mouse belongs to a handle.
@@ -125,9 +132,24 @@ bool Preview::take_handles() {
   return handles_.take(*desk_, input);
 }
 
+// True: a drag of a rectangle has the left button of the mouse.
+bool Preview::take_box(bool handle) {
+  const ImGuiIO& io = ImGui::GetIO();
+  BoxInput input;
+  input.place = stage();
+  input.mouse = {io.MousePos.x, io.MousePos.y};
+  input.over_stage = !io.WantCaptureMouse && !handle;
+  input.pressed = ImGui::IsMouseClicked(ImGuiMouseButton_Left);
+  input.down = ImGui::IsMouseDown(ImGuiMouseButton_Left);
+  input.ctrl = io.KeyCtrl;
+  input.shift = io.KeyShift;
+  if (!input.pressed && !box_.holds()) return false;
+  return box_.take(*desk_, pick(), input);
+}
+
 void Preview::take_mouse() {
   const bool handle = take_handles();
-  if (handles_.dragging()) {
+  if (handles_.dragging() || take_box(handle)) {
     pressed_on_stage_.fill(false);  // a drag of the camera that is under way ends: it would be in the same gesture
     return;
   }
@@ -158,7 +180,9 @@ void Preview::take_mouse() {
       }
       continue;
     }
-    if (button == ImGuiMouseButton_Left) {
+    if (button == ImGuiMouseButton_Left && desk_->fly().on()) {
+      camera.look(right * kOrbitRad, -down * kOrbitRad);
+    } else if (button == ImGuiMouseButton_Left) {
       camera.orbit(-right * kOrbitRad, down * kOrbitRad);
     } else {
       camera.pan(-right, down);
@@ -166,7 +190,9 @@ void Preview::take_mouse() {
     moves = moves || right != 0 || down != 0;
   }
   if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) selects_more_ = io.KeyCtrl || io.KeyShift;
-  if (io.MouseWheel != 0 && !io.WantCaptureMouse) {
+  if (io.MouseWheel != 0 && !io.WantCaptureMouse && desk_->fly().on()) {
+    desk_->fly().change_speed(static_cast<double>(io.MouseWheel));
+  } else if (io.MouseWheel != 0 && !io.WantCaptureMouse) {
     camera.approach(static_cast<double>(io.MouseWheel));
     moves = true;
   }
@@ -174,20 +200,24 @@ void Preview::take_mouse() {
 }
 
 // typing: keys belong to the palette, also Esc, which it has seen.
-void Preview::take_input(bool typing) {
+void Preview::take_input(bool typing, DurationNs dt_ns) {
   const ImGuiIO& io = ImGui::GetIO();
   if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
+  if (const auto request = std::exchange(controls_.camera_request, std::nullopt)) edit_cameras(*request);
+  show_cameras();
   const auto holders = [&] {
-    return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_, handles_.dragging()};
+    return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_, handles_.dragging() || box_.dragging(),
+                      desk_->fly().on()};
   };
   // Before the mouse: Escape with the release of a drag in one picture puts it back.
   const KeyPress* const cancels = canceling_key(window_->keys(), holders());
-  if (cancels != nullptr) handles_.cancel(*desk_);
+  if (cancels != nullptr) cancel_drags();
   take_mouse();
+  fly(holders().text, dt_ns);
   for (const KeyPress& key : window_->keys()) {
     if (&key == cancels) continue;
     const KeyTurn turn = turn_of(key, holders());
-    if (turn == KeyTurn::kCancelsDrag) handles_.cancel(*desk_);
+    if (turn == KeyTurn::kCancelsDrag) cancel_drags();
     if (turn != KeyTurn::kActs) continue;
     if (!key.repeated && !handles_.dragging()) desk_->begin_gesture();
     call(*call_of(key));
@@ -232,6 +262,9 @@ void Preview::call(const UiCall& call) {
     case UiAction::kCompare: compare_from_here(); break;
     case UiAction::kEndCompare: desk_->comparison() = {}; break;
     case UiAction::kCamera: take_camera(static_cast<std::size_t>(call.argument)); break;
+    case UiAction::kStoreCamera: store_new_camera(); break;
+    case UiAction::kViewFrom: view_from_side(static_cast<ViewSide>(call.argument)); break;
+    case UiAction::kFly: desk_->fly().set_on(!desk_->fly().on()); break;
     case UiAction::kWorkLight: controls_.work_light = !controls_.work_light; break;
     case UiAction::kBrighter: expose(-kExposureStepEv); break;  // a lower EV makes a brighter picture
     case UiAction::kDarker: expose(kExposureStepEv); break;
@@ -299,19 +332,6 @@ void Preview::compare_from_here() {
   const std::optional<TimeNs> log_ns = player_ ? std::optional(controls_.transport.now_ns) : std::nullopt;
   desk_->comparison() = {keep_levels(desk_->compiled().universes, panel_levels(), log_ns), std::nullopt};
   (void)panels_.open_words("universes", *desk_);
-}
-
-void Preview::take_camera(std::size_t index) {
-  if (index >= edited_->scene()->rig.cameras.size()) return;
-  const fixtures::Camera& camera = edited_->scene()->rig.cameras[index];
-  desk_->jump_camera(OrbitCamera(camera), static_cast<float>(camera.exposure_ev));
-}
-
-void Preview::frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m) {
-  const PixelRect where = place();
-  OrbitCamera camera = desk_->state().camera;
-  camera.frame(low_m, high_m, static_cast<double>(where.width) / where.height);
-  desk_->jump_camera(camera);
 }
 
 void Preview::expose(double steps_ev) {

@@ -96,7 +96,7 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   }
   facts_.rig = framed_->rig.name;
   facts_.device = device_->name();
-  for (const auto& one : framed_->rig.cameras) facts_.cameras.push_back(one.name);
+  show_cameras();
   for (const auto& fixture : framed_->rig.fixtures) facts_.fixtures.push_back(fixture.name);
   facts_.can_haze = framed_->compiled.needs.haze;
   return {};

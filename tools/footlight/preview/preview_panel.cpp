@@ -1,6 +1,7 @@
 #include "tools/footlight/preview/preview_panel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -13,6 +14,8 @@
 
 namespace footlight::tools {
 namespace {
+
+constexpr std::size_t kCamerasShown = 20;  // the palette has all of them
 
 std::string flash_words(const PreviewFacts& facts) {
   return facts.flashes_held ? "Harmful flashes are held back" : "Harmful flashes: more than 3 a second";
@@ -107,16 +110,36 @@ void draw_quality(const PreviewFacts& facts, PreviewControls& controls) {
   if (ImGui::Combo("##divisor", &choice, divisors, 3)) controls.divisor = 1 << choice;
 }
 
+// The menu of a camera, after its button.
+void draw_camera_menu(const PreviewFacts& facts, PreviewControls& controls, std::size_t index) {
+  if (!ImGui::BeginPopupContextItem()) return;
+  using What = CameraRequest::What;
+  std::string& name = controls.camera_name;
+  if (ImGui::IsWindowAppearing()) name = facts.cameras[index];
+  std::array<char, 257> text{};
+  name.copy(text.data(), text.size() - 1);
+  ImGui::BeginDisabled(!facts.can_edit);
+  const bool entered = ImGui::InputText("name", text.data(), text.size(), ImGuiInputTextFlags_EnterReturnsTrue);
+  name = text.data();
+  if (entered) controls.camera_request = {What::kRename, index, name};
+  if (ImGui::Selectable("store this view here")) controls.camera_request = {What::kStore, index, {}};
+  if (ImGui::Selectable("delete this camera")) controls.camera_request = {What::kDelete, index, {}};
+  ImGui::EndDisabled();
+  if (entered) ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
 void draw_view(const PreviewFacts& facts, PreviewControls& controls) {
   heading("Camera");
-  for (std::size_t i = 0; i < facts.cameras.size() && i < 9; ++i) {
-    const std::string label = fmt::format("{} {}", i + 1, facts.cameras[i]);
-    const float width = ImGui::CalcTextSize(label.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
+  for (std::size_t i = 0; i < facts.cameras.size() && i < kCamerasShown; ++i) {
+    const std::string label = fmt::format("{} {}###camera{}", i + 1, facts.cameras[i], i);
+    const float width = ImGui::CalcTextSize(label.c_str(), nullptr, true).x + 2 * ImGui::GetStyle().FramePadding.x;
     if (i > 0) {
       ImGui::SameLine();
       if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
     }
     if (ImGui::Button(label.c_str())) controls.camera = static_cast<int>(i);
+    draw_camera_menu(facts, controls, i);
   }
   ImGui::Checkbox("auto exposure", &controls.auto_exposure);
   if (!controls.auto_exposure) {

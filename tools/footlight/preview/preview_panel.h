@@ -21,6 +21,7 @@ struct PreviewFacts {
   std::string rig;
   std::string device;
   std::vector<std::string> cameras;
+  bool can_edit = false;  // cameras can be stored
   std::vector<std::string> fixtures;
   bool can_haze = false;       // the rig has haze to turn off
   std::size_t machines = 0;    // haze, fog and fan machines; if there are any, the current haze, 1/m:
@@ -53,6 +54,14 @@ struct PreviewFacts {
   std::string notice;  // the newest event of the inputs
 };
 
+// What the user asks for about a camera of the rig.
+struct CameraRequest {
+  enum class What { kStore, kRename, kDelete };
+  What what = What::kStore;
+  std::size_t index = 0;
+  std::string name;  // of kRename
+};
+
 enum class PanelState { kFull, kStrip, kHidden };
 
 // The values that the user can change. The caller executes requests and resets them.
@@ -74,6 +83,8 @@ struct PreviewControls {
 
   std::optional<float> drag_s;  // the position of the log's slider while it is dragged
   std::optional<int> camera;
+  std::optional<CameraRequest> camera_request;
+  std::string camera_name;  // in the field of the camera whose menu is open
 };
 
 inline constexpr float kPanelWidth = 264;  // units of ImGui at scale 1

@@ -76,7 +76,7 @@ Status Preview::turn() {
     closing_ = times_out_ = true;
     window_->keep_shot();
   }
-  draw_ui();
+  draw_ui(dt_ns);
   FL_TRY(window_->wait_gpu());
   if (std::exchange(shot_taken_, false)) write_own_shot();
   keep_edits();

@@ -39,6 +39,7 @@
 #include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/questions.h"
+#include "tools/footlight/preview/ui/stage_box.h"
 #include "tools/footlight/preview/ui/stage_handles.h"
 #include "tools/footlight/preview/ui/stage_pick.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
@@ -132,15 +133,22 @@ class Preview {
   [[nodiscard]] bool unsaved() const { return desk_ && desk_->state().revision != saved_revision_; }
 
   // What lies over the picture, mouse and keys: preview_input.cpp.
-  void draw_ui();
-  void take_input(bool typing);
+  void draw_ui(DurationNs dt_ns);
+  void take_input(bool typing, DurationNs dt_ns);
   void take_mouse();
   bool take_handles();
+  bool take_box(bool handle);
+  void cancel_drags();
   void show_handles(bool on);
   void compare_from_here();
   void draw_measures();
   void call(const UiCall& call);
   void take_camera(std::size_t index);
+  void show_cameras();
+  void edit_cameras(const CameraRequest& request);
+  void store_new_camera();
+  void view_from_side(ViewSide side);
+  void fly(bool typing, DurationNs dt_ns);
   void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);
   void expose(double steps_ev);
   void show_exposure();
@@ -224,6 +232,7 @@ class Preview {
   Palette palette_;
   std::unique_ptr<StagePick> pick_;     // made by the first selection
   StageHandles handles_;
+  StageBox box_;
   std::vector<std::uint8_t> overlaid_;  // levels with what was taken over
   std::vector<std::uint8_t> panel_levels_;
   std::array<bool, 3> pressed_on_stage_{};  // buttons of the mouse

@@ -65,6 +65,13 @@ constexpr KeyRow kKeyRows[] = {
     {GLFW_KEY_F, GLFW_MOD_SHIFT, {A::kFrameRig}, false, "Shift+F", "frame the rig", UiMenu::kView},
     {GLFW_KEY_G, 0, {A::kHandles}, false, "G", "handles that move and aim the selected fixtures", UiMenu::kView},
     {kTyped + '1', 0, {A::kCamera, 0}, false, "1 to 9", "cameras of the rig", UiMenu::kNone},
+    {GLFW_KEY_C, 0, {A::kStoreCamera}, false, "C", "store this view as a camera of the rig", UiMenu::kView},
+    {GLFW_KEY_V, 0, {A::kFly}, false, "V", "fly: W A S D, E up, Q down, drag to look, wheel: speed", UiMenu::kView},
+    {GLFW_KEY_F1, GLFW_MOD_SHIFT, {A::kViewFrom, 0}, false, "Shift+F1", "view from the front of house", UiMenu::kView},
+    {GLFW_KEY_F2, GLFW_MOD_SHIFT, {A::kViewFrom, 1}, false, "Shift+F2", "view from above", UiMenu::kView},
+    {GLFW_KEY_F3, GLFW_MOD_SHIFT, {A::kViewFrom, 2}, false, "Shift+F3", "view from the left", UiMenu::kView},
+    {GLFW_KEY_F4, GLFW_MOD_SHIFT, {A::kViewFrom, 3}, false, "Shift+F4", "view from the right", UiMenu::kView},
+    {GLFW_KEY_F5, GLFW_MOD_SHIFT, {A::kViewFrom, 4}, false, "Shift+F5", "stage plan: straight down", UiMenu::kView},
     {GLFW_KEY_G, GLFW_MOD_SHIFT, {A::kFloorLines}, false, "Shift+G", "lines on the floor, 1 m apart", UiMenu::kView},
     {GLFW_KEY_T, 0, {A::kMeasure}, false, "T", "measure between two points that are clicked", UiMenu::kView},
     {GLFW_KEY_K, 0, {A::kCompare}, false, "K", "keep this moment, and compare its levels with now", UiMenu::kView},
@@ -99,15 +106,17 @@ constexpr KeyRow kKeyRows[] = {
      {A::kEscape},
      false,
      "Esc",
-     "put a drag of a handle back; close a menu; then the list of keys; then end measuring; then select nothing; then "
-     "close the window",
+     "put a drag of a handle back; close a menu; then the list of keys; then end flying and measuring; then select "
+     "nothing; then close the window",
      UiMenu::kNone},
 };
 
 constexpr MouseRow kMouseRows[] = {
     {"Click", "select a fixture; Ctrl or Shift adds it or takes it away"},
+    {"Shift+drag", "select what is in the rectangle; Ctrl adds it, Ctrl+Shift takes it away; Esc: nothing"},
     {"Drag", "turn around the middle of the picture"},
     {"Right drag", "move sideways"},
+    {"Right button on a camera", "in the side panel: store this view there, rename, delete"},
     {"Drag a handle (G)", "move or aim the selected fixtures; Ctrl: steps of 0.5 m; Esc: back"},
     {"Wheel", "nearer and farther"},
 };
@@ -145,6 +154,8 @@ KeyTurn turn_of(const KeyPress& press, const KeyHolders& holders) {
   if (holders.text) return KeyTurn::kNothing;
   const A action = call->action;
   if (action == A::kBlackout || action == A::kEndBlackout || action == A::kDisarm) return KeyTurn::kActs;
+  const bool letter = press.code >= GLFW_KEY_A && press.code <= GLFW_KEY_Z && (press.mods & GLFW_MOD_CONTROL) == 0;
+  if (holders.fly && letter && action != A::kFly) return KeyTurn::kNothing;
   if (holders.drag) return action == A::kEscape ? KeyTurn::kCancelsDrag : KeyTurn::kNothing;
   return holders.question && action != A::kEscape ? KeyTurn::kNothing : KeyTurn::kActs;
 }

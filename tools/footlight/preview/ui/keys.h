@@ -24,6 +24,9 @@ enum class UiAction {
   kHandles,  // that move and aim the selection in the picture
   kNudge,    // moves the selection; argument: nudge_axis()
   kCamera,   // argument: its index
+  kStoreCamera,  // the view as a new camera of the rig
+  kViewFrom,     // argument: ViewSide
+  kFly,          // held keys move the camera
   kMeasure,  // clicks measure distances
   kFloorLines,
   kCompare,  // keeps this moment, to compare it with now
@@ -86,7 +89,8 @@ struct KeyRow {
 struct KeyHolders {
   bool text = false;      // a field of text, or the palette
   bool question = false;  // whether to close
-  bool drag = false;      // of a handle
+  bool drag = false;      // of a handle or a rectangle
+  bool fly = false;       // letters move the camera
 };
 enum class KeyTurn { kNothing, kActs, kCancelsDrag };
 // Keys of outputs (blackout, its end, disarm) act during a drag and a question as well.

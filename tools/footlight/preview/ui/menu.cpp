@@ -17,6 +17,7 @@ void draw_rows(UiMenu menu, const UiDesk& desk, const OutputsView* outputs, std:
     const bool checked = (row.call.action == UiAction::kHighlight && desk.highlights()) ||
                          (row.call.action == UiAction::kHandles && desk.handles()) ||
                          (row.call.action == UiAction::kMeasure && desk.measure().on) ||
+                         (row.call.action == UiAction::kFly && desk.fly().on()) ||
                          (row.call.action == UiAction::kFloorLines && desk.floor_lines());
     const std::string label = fmt::format("{}###{}", label_of(row, desk), row.keys);
     if (ImGui::MenuItem(label.c_str(), row.keys, checked, is_possible(row, desk, true, outputs))) chosen = row.call;

@@ -67,18 +67,20 @@ void UiDesk::show(const fixtures::Rig& rig, const fixtures::CompiledRig& compile
   lit_channels_.clear();
 }
 
-// After a command that may have changed the rig.
+// After a command that may have changed the rig. An edit of cameras only makes no other picture.
 Status UiDesk::follow_rig(const UiCommand& command) {
-  return std::holds_alternative<EditRig>(command) && remake_ ? remake_() : Status();
+  const auto* edit = std::get_if<EditRig>(&command);
+  return edit != nullptr && edit->edit.edits_fixtures() && remake_ ? remake_() : Status();
 }
 
 Status UiDesk::edit(Result<fixtures::RigEdit> edit, std::optional<Selection> selects) {
   if (!edit) return tl::unexpected<Error>(std::move(edit).error());
   if (!can_edit()) return fail(ErrorCode::kUnsupported, "this rig cannot be edited");
   const std::uint64_t before = state_.revision;
+  const bool remakes = remake_ && edit->edits_fixtures();
   history_.run(state_, EditRig{std::move(*edit), std::move(selects)}, gesture_);
   if (state_.revision == before) return {};
-  Status made = remake_ ? remake_() : Status();
+  Status made = remakes ? remake_() : Status();
   if (made) return {};
   // A drag is taken back as a whole, so what is shown is not yet what is left.
   history_.undo(state_);

@@ -17,6 +17,7 @@
 #include "fixtures/edit/rig_edits.h"
 #include "fixtures/files/library.h"
 #include "fixtures/model/rig.h"
+#include "tools/footlight/preview/fly_camera.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/ui/level_comparison.h"
 #include "tools/footlight/preview/ui/rig_index.h"
@@ -54,6 +55,10 @@ class UiDesk {
   // Makes an edit, or fails with its reason, and nothing is changed. `selects`: the selection after it; nothing: the
   // same fixtures.
   Status edit(Result<fixtures::RigEdit> edit, std::optional<Selection> selects = std::nullopt);
+  // The cameras as the user has them: of the edited rig, or with those that the window made up for it.
+  [[nodiscard]] const std::vector<fixtures::Camera>& cameras() const {
+    return edited().made_up_cameras ? rig().cameras : edited().cameras;
+  }
   // Copies fixtures, and selects the copies.
   Status clone(fixtures::Fixtures which, const fixtures::CloneRow& row);
   Status clone_selected(const fixtures::CloneRow& row) { return clone(selected(), row); }
@@ -126,6 +131,10 @@ class UiDesk {
   [[nodiscard]] bool handles() const { return handles_; }
   void set_handles(bool on) { handles_ = on; }
 
+  // The camera that flies with keys.
+  [[nodiscard]] const FlyCamera& fly() const { return fly_; }
+  [[nodiscard]] FlyCamera& fly() { return fly_; }
+
   // Whether clicks measure, and what.
   [[nodiscard]] const StageMeasure& measure() const { return measure_; }
   [[nodiscard]] StageMeasure& measure() { return measure_; }
@@ -169,6 +178,7 @@ class UiDesk {
   bool highlight_ = false;
   bool handles_ = false;
   bool floor_lines_ = false;
+  FlyCamera fly_;
   StageMeasure measure_;
   LevelComparison comparison_;
   bool pauses_ = false;
