@@ -71,6 +71,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
     if (live_) input.status = &facts_.status;
     if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
+    if (curve_ && strips_) input.strips = &strips_->strips;
     input.outputs = &outputs_view_;
     input.inputs = &inputs_view_;
     input.messages = &messages_;
@@ -205,6 +206,8 @@ void Preview::take_input(bool typing, DurationNs dt_ns) {
   if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
   if (const auto request = std::exchange(controls_.camera_request, std::nullopt)) edit_cameras(*request);
   show_cameras();
+  take_picture_requests();
+  take_drops();
   const auto holders = [&] {
     return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_, handles_.dragging() || box_.dragging(),
                       desk_->fly().on()};
@@ -244,6 +247,7 @@ void Preview::call(const UiCall& call) {
       break;
     }
     case UiAction::kHighlight: desk_->set_highlight(!desk_->highlights()); break;
+    case UiAction::kLocate: desk_->set_locate(!desk_->locates()); break;
     case UiAction::kReleaseAll: desk_->release_all(); break;
     case UiAction::kFrame:
       if (const auto& which = desk_->state().selection.fixtures; !which.empty()) {
@@ -266,6 +270,10 @@ void Preview::call(const UiCall& call) {
     case UiAction::kViewFrom: view_from_side(static_cast<ViewSide>(call.argument)); break;
     case UiAction::kFly: desk_->fly().set_on(!desk_->fly().on()); break;
     case UiAction::kWorkLight: controls_.work_light = !controls_.work_light; break;
+    case UiAction::kFlashes:
+      desk_->set_flashes(next_of(desk_->flashes()));
+      tell(fmt::format("harmful flashes: {}", words_of(desk_->flashes())));
+      break;
     case UiAction::kBrighter: expose(-kExposureStepEv); break;  // a lower EV makes a brighter picture
     case UiAction::kDarker: expose(kExposureStepEv); break;
     case UiAction::kPlay: controls_.transport.playing = !controls_.transport.playing; break;
@@ -282,6 +290,17 @@ void Preview::call(const UiCall& call) {
     case UiAction::kMarker:
       if (const auto index = static_cast<std::size_t>(call.argument); index < desk_->state().markers.size()) {
         go_to_marker(&desk_->state().markers[index]);
+      }
+      break;
+    case UiAction::kTheme: settings_.theme = settings_.theme == UiTheme::kDark ? UiTheme::kLight : UiTheme::kDark; break;
+    case UiAction::kUiSmaller:
+    case UiAction::kUiLarger:
+      settings_.ui_percent = next_ui_percent(settings_.ui_percent, call.action == UiAction::kUiLarger ? 1 : -1);
+      tell(fmt::format("panels and text: {} %", settings_.ui_percent));
+      break;
+    case UiAction::kOpenRecent:
+      if (const auto index = static_cast<std::size_t>(call.argument); index < desk_->recent_rigs().size()) {
+        ask_to_open({desk_->recent_rigs()[index], ""});
       }
       break;
     case UiAction::kSidePanel:

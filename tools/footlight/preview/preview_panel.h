@@ -10,6 +10,7 @@
 #include "render/frame.h"
 #include "render/live_error.h"
 #include "render/quality.h"
+#include "tools/footlight/pictures/flash_mode.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/live_levels.h"
 #include "tools/footlight/preview/ui/transport.h"
@@ -45,6 +46,8 @@ struct PreviewFacts {
   render::ErrorWindow::Estimate error;      // of the pictures of the last second
   render::QualityRequest quality;           // that knobs are chosen for; nothing: the user chooses
   std::optional<render::KnobPoint> chosen;  // for it
+  bool measures_knobs = false;              // of this machine, for quality
+  FlashMode flashes = FlashMode::kWarn;
   bool flashes_harmful = false;             // now
   bool flashes_held = false;                // the last harmless picture is held
 
@@ -84,6 +87,11 @@ struct PreviewControls {
   std::optional<float> drag_s;  // the position of the log's slider while it is dragged
   std::optional<int> camera;
   std::optional<CameraRequest> camera_request;
+  std::optional<double> haze_per_m;                 // scattering of the room's haze
+  std::optional<FlashMode> flashes;                 // what harmful flashes do
+  std::optional<render::QualityRequest> quality;    // nothing in it: nodes and pixels by hand
+  float error_percent = 0.1f;                       // what the slider has that asks for an error
+  float picture_ms = 16;                            // and for a time
   std::string camera_name;  // in the field of the camera whose menu is open
 };
 

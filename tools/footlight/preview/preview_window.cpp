@@ -69,6 +69,7 @@ Result<int> Preview::open_and_turn() {
 // One picture.
 Status Preview::turn() {
   window_->poll();
+  follow_settings();
   const TimeNs now_ns = clock_.now_ns();
   const DurationNs dt_ns = now_ns - last_ns_;
   last_ns_ = now_ns;
@@ -82,11 +83,15 @@ Status Preview::turn() {
   keep_edits();
   keep_markers();
   const PixelRect where = place();
-  FL_ASSIGN(const bool still, follow_edits(where));
+  FL_ASSIGN(bool still, follow_quality());
+  if (!still) {  // one other thread at a time uses the device
+    FL_ASSIGN(still, follow_edits(where));
+  }
   if (still) {
     drive_outputs();
     return show_still(where);
   }
+  FL_TRY(follow_flashes());
   FL_TRY(read_figures(dt_ns));
 
   if (where.width != wanted_width_ || where.height != wanted_height_) {
@@ -134,6 +139,7 @@ Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
   picture.place = where;
   drawn_ns_ = now_ns;
   const auto compute = [&](VkCommandBuffer commands) {
+    frame_->set_haze_per_m(haze_per_m());
     frame_->set_work_light_lx(controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0);
     frame_->record(commands, render::view_of(desk_->state().camera.camera()), controls_.exposure_ev);
     error_drawn_ = error_ != nullptr;
@@ -186,7 +192,7 @@ Status Preview::read_figures(DurationNs dt_ns) {
     if (flashes_ && !flashes_->limits()) tell_flashes(flashes_->take(drawn_ns_ - start_ns_));
   }
   facts_.now_ns = clock_.now_ns();
-  facts_.room_haze_per_m = framed_->rig.haze.scattering_per_m;
+  facts_.room_haze_per_m = haze_per_m();
   if (const fixtures::MachineAir* air = frame_->machine_air(); air != nullptr) {
     facts_.machines = air->count();
     facts_.machine_haze_per_m = air->haze_per_m();
@@ -302,9 +308,11 @@ Status Preview::start_again(const Error& loss) {
   }
   messages_before_ = validation_messages();
   drop_frame();
+  drop_curves();
   error_.reset();
   frame_.reset();
   flashes_.reset();
+  facts_.flashes_held = false;
   counts_ = {};
   window_->detach();
   device_.reset();
@@ -323,6 +331,52 @@ Status Preview::start_again(const Error& loss) {
   return player_ ? player_->seek(at_ns, driven()) : Status{};
 }
 
-Result<int> run_preview(const PreviewOptions& options) { return Preview(options).run(); }
+namespace {
+
+// The options of a window that opens another rig or log.
+PreviewOptions options_for(const PreviewOptions& before, const Preview::Next& next) {
+  PreviewOptions options = before;
+  options.recover = false;
+  options.at_ns = 0;
+  options.news.clear();
+  if (!next.rig.empty()) {
+    options.files.rig = next.rig;
+    options.files.demo = false;
+    options.files.log.clear();
+    options.camera.clear();
+    options.select.clear();
+  } else {
+    options.files.log = next.log;
+    options.ins.clear();
+  }
+  return options;
+}
+
+}  // namespace
+
+Result<int> run_preview(const PreviewOptions& options) {
+  PreviewOptions now = options;
+  std::optional<PreviewOptions> before;  // of the window before, if this one was opened from it
+  while (true) {
+    std::optional<Preview::Next> next;
+    bool opened = false;
+    const auto show = [&] {
+      Preview preview(now);
+      const Result<int> shown = preview.run();
+      next = preview.next();
+      opened = preview.opened();
+      return shown;
+    };
+    const Result<int> result = show();
+    if (!result && before && !opened) {  // back to the rig from before
+      now = *std::exchange(before, std::nullopt);
+      now.news = result.error().message;
+      continue;
+    }
+    if (!result || !next) return result;
+    before = now;
+    now = options_for(now, *next);
+  }
+}
 
 }  // namespace footlight::tools

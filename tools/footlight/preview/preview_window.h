@@ -50,6 +50,15 @@ namespace footlight::tools {
 
 class Preview {
  public:
+  // The rig or log that the user opened instead; the window has closed for it.
+  struct Next {
+    std::string rig;  // empty: the same one
+    std::string log;  // empty: none
+  };
+  [[nodiscard]] const std::optional<Next>& next() const { return next_; }
+  // A picture was shown.
+  [[nodiscard]] bool opened() const { return picture_ns_ >= 0; }
+
   // The options outlive this.
   explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_), ins_(options.ins) {}
 
@@ -67,6 +76,8 @@ class Preview {
   Status open_device();
   Status set_controls(const fixtures::Camera& camera);
   Status make_ladder();
+  Result<render::KnobCurves> read_curves();
+  void take_curves(const render::KnobCurves& curves);
   Result<bool> wait_for(std::future<Status>& work, const StopSignal& signal, const char* what);
   Status show_progress(const char* what);
 
@@ -76,6 +87,13 @@ class Preview {
   Status rebuild(const PixelRect& where);
   Status update_error();
   void follow_knobs(const render::KnobPoint& point);
+  // What the user changes of the picture: preview_picture.cpp.
+  void take_picture_requests();
+  [[nodiscard]] double haze_per_m() const;
+  Status follow_flashes();
+  void ask_for_quality(const render::QualityRequest& request);
+  Result<bool> follow_quality();
+  void drop_curves();
   Status draw(const PixelRect& where, TimeNs now_ns);
   Status read_figures(DurationNs dt_ns);
   void tell_flashes(bool begins);
@@ -158,6 +176,18 @@ class Preview {
   [[nodiscard]] StagePlace stage() const;
   [[nodiscard]] const StagePick& pick();
 
+  // What the window remembers: preview_settings.cpp.
+  Status open_settings();
+  void follow_settings();
+  void show_look();
+  void note_recent();
+
+  // Files that are dropped on the window, and rigs that are opened again: preview_files.cpp.
+  void take_drops();
+  void add_definition(const std::string& path);
+  void ask_to_open(Next next);
+  void draw_open_question();
+
   // Figures and pictures for files and standard output: preview_figures.cpp.
   void print_second();
   void print_summary();
@@ -194,6 +224,12 @@ class Preview {
   std::string markers_path_;         // empty: they are not saved
   Markers saved_markers_;            // as the file has them
   std::optional<LightCurve> curve_;  // of the log, from the moments of its index
+  struct Strips {
+    explicit Strips(SharedScene of) : scene(std::move(of)), strips(scene->rig, scene->compiled) {}
+    SharedScene scene;
+    LightStrips strips;
+  };
+  std::unique_ptr<Strips> strips_;   // the same, once a panel is open
 
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
   std::unique_ptr<Window> window_;
@@ -207,6 +243,11 @@ class Preview {
   bool error_drawn_ = false;                  // the current picture has its samples
   std::vector<render::KnobPoint> ladder_;     // for --error and --ms; else empty
   std::optional<render::TimeKeeper> keeper_;  // for --ms
+  std::optional<render::KnobCurves> curves_;  // of this machine, once they were needed
+  std::future<Result<render::KnobCurves>> reading_curves_;  // valid: they are measured or read
+  std::atomic<bool> stops_curves_ = false;
+  bool haze_is_rig_ = true;                   // the slider edits the rig; else, with --haze, only the picture
+  double picture_haze_per_m_ = 0;             // then
   std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
   bool shown_ = false;                        // a picture is in flight; its figures can be read when it is done
 
@@ -226,6 +267,14 @@ class Preview {
   bool asks_close_ = false;
   bool discards_ = false;
   bool times_out_ = false;  // --seconds have passed
+
+  std::optional<Next> asked_next_;  // while the question is open
+  std::optional<Next> next_;
+  OpenQuestion open_question_;
+  std::string settings_path_;  // empty: they are not saved
+  WindowSettings settings_;
+  WindowSettings saved_settings_;  // as the file has them
+  WindowSettings shown_settings_;  // as the window looks
 
   std::unique_ptr<UiDesk> desk_;  // once the rig is read
   UiPanels panels_;

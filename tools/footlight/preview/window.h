@@ -20,6 +20,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/image.h"
@@ -27,6 +28,7 @@
 #include "render/vk/memory.h"
 #include "tools/footlight/preview/key_presses.h"
 #include "tools/footlight/preview/mouse_queue.h"
+#include "tools/footlight/preview/window_settings.h"
 
 struct GLFWwindow;
 
@@ -74,6 +76,8 @@ class Window {
   // The keys that went down during the last poll(), or repeated while held, in order. ImGui's own list misses a key
   // that goes down and up within one slow frame.
   [[nodiscard]] const std::vector<KeyPress>& keys() const { return keys_.presses(); }
+  // Paths of files that were dropped on the window since the last call, in order.
+  [[nodiscard]] std::vector<std::string> take_drops() { return std::exchange(drops_, {}); }
   // As of the last poll(): true if the window is not visible.
   [[nodiscard]] bool minimised() const { return minimised_; }
   // Pixels.
@@ -81,7 +85,10 @@ class Window {
   [[nodiscard]] int height() const { return height_; }
   // Pixels per unit of ImGui, and the scale of the user interface for this screen.
   [[nodiscard]] float pixels_per_unit() const;
-  [[nodiscard]] float ui_scale() const { return ui_scale_; }
+  [[nodiscard]] float ui_scale() const { return ui_scale_ * user_scale_; }
+  // How large the user interface is beside what suits the screen, and its theme. Between two pictures. Text is scaled
+  // from the size that it had at attach().
+  void set_ui_look(float user_scale, UiTheme theme);
 
   // ImGui's mouse is where it was when a button went down or up; a picture gets at most one of these.
   void begin_ui();
@@ -109,6 +116,7 @@ class Window {
   static void on_character(GLFWwindow* window, unsigned int character);
   static void on_cursor(GLFWwindow* window, double x, double y);
   static void on_button(GLFWwindow* window, int button, int action, int mods);
+  static void on_drop(GLFWwindow* window, int count, const char** paths);
   [[nodiscard]] PixelRect rect() const;
   void record_shot(VkCommandBuffer commands, VkImage image);
 
@@ -126,9 +134,13 @@ class Window {
   bool minimised_ = false;
   KeyPresses keys_;
   KeyTaps taps_;
+  std::vector<std::string> drops_;
   MouseQueue mouse_;
   PixelRect before_full_;  // where the window was before it became full screen
-  float ui_scale_ = 1;
+  float ui_scale_ = 1;    // of the screen
+  float user_scale_ = 1;  // beside that
+  float font_scale_ = 1;  // ui_scale() when the font was made
+  UiTheme theme_ = UiTheme::kDark;
   bool ui_started_ = false;
 
   render::vk::Device* device_ = nullptr;

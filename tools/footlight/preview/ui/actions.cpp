@@ -7,6 +7,7 @@
 namespace footlight::tools {
 
 std::string label_of(const KeyRow& row, const UiDesk& desk) {
+  if (row.call.action == UiAction::kFlashes) return fmt::format("{} (now {})", row.does, word_of(desk.flashes()));
   const UiCommand* command = row.call.action == UiAction::kUndo   ? desk.history().next_undo()
                              : row.call.action == UiAction::kRedo ? desk.history().next_redo()
                                                                   : nullptr;
@@ -53,6 +54,9 @@ std::vector<UiActionItem> action_items(const UiDesk& desk, bool has_log, const O
     items.push_back({{UiAction::kPanel, static_cast<int>(i)},
                      fmt::format("panel {}: {}", panel.title, panel.shows),
                      panel.key_text});
+  }
+  for (std::size_t i = 0; i < desk.recent_rigs().size(); ++i) {
+    items.push_back({{UiAction::kOpenRecent, static_cast<int>(i)}, "open " + desk.recent_rigs()[i], {}});
   }
   for (std::size_t i = 0; has_log && i < desk.state().markers.size(); ++i) {
     const Marker& marker = desk.state().markers[i];

@@ -18,6 +18,7 @@ enum class UiAction {
   kDelete,  // what is selected
   kSelectAll,
   kHighlight,
+  kLocate,
   kReleaseAll,
   kFrame,  // the selection; the rig if there is none
   kFrameRig,
@@ -32,6 +33,7 @@ enum class UiAction {
   kCompare,  // keeps this moment, to compare it with now
   kEndCompare,
   kWorkLight,
+  kFlashes,  // the next mode of harmful flashes
   kBrighter,
   kDarker,
   kPlay,
@@ -46,6 +48,10 @@ enum class UiAction {
   kMarkerBack,  // to the marker before
   kMarkerOn,
   kMarker,  // to the one of this index
+  kTheme,  // the other one
+  kUiSmaller,
+  kUiLarger,
+  kOpenRecent,  // argument: index into UiDesk::recent_rigs()
   kSidePanel,
   kPanel,  // argument: index into panels()
   kFullScreen,

@@ -48,7 +48,7 @@ void draw_marks(const fixtures::Rig& rig, const StagePick& pick, const StagePlac
     const ImVec2 low(static_cast<float>(middle.x - half.x) - 2, static_cast<float>(middle.y - half.y) - 2);
     const ImVec2 high(static_cast<float>(middle.x + half.x) + 2, static_cast<float>(middle.y + half.y) + 2);
     const bool lead = fixture == selection.lead;
-    const ImU32 colour = ImGui::GetColorU32(lead ? kUiAmber : ImVec4{0.85f, 0.86f, 0.88f, 0.9f});
+    const ImU32 colour = ImGui::GetColorU32(lead ? kStageColours.accent : ImVec4{0.85f, 0.86f, 0.88f, 0.9f});
     draw_corners(draw, {low.x + 1, low.y + 1}, {high.x + 1, high.y + 1}, shade, 2 * scale);
     draw_corners(draw, low, high, colour, 1.5f * scale);
     if (!names) continue;
@@ -66,7 +66,7 @@ void draw_box(const StageBox& box, float scale) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const ImVec2 low(static_cast<float>(box.low().x), static_cast<float>(box.low().y));
   const ImVec2 high(static_cast<float>(box.high().x), static_cast<float>(box.high().y));
-  const ImVec4& colour = box.mode() == BoxMode::kTakesAway ? kUiRed : kUiAmber;
+  const ImVec4& colour = box.mode() == BoxMode::kTakesAway ? kStageColours.bad : kStageColours.accent;
   draw.AddRectFilled(low, high, ImGui::GetColorU32({colour.x, colour.y, colour.z, 0.14f}));
   draw.AddRect(low, high, ImGui::GetColorU32(colour), 0, 0, 1.5f * scale);
   const char* words = box.mode() == BoxMode::kAdds        ? "add"
@@ -86,7 +86,7 @@ void draw_fly(const FlyCamera& fly, const StagePlace& place, float scale) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   draw.AddRectFilled({at.x - 8 * scale, at.y - 4 * scale}, {at.x + needed.x + 8 * scale, at.y + needed.y + 4 * scale},
                      IM_COL32(0, 0, 0, 170), 3 * scale);
-  draw.AddText(at, ImGui::GetColorU32(kUiAmber), words.c_str());
+  draw.AddText(at, ImGui::GetColorU32(kStageColours.accent), words.c_str());
 }
 
 }  // namespace footlight::tools
