@@ -125,7 +125,8 @@ TEST_CASE("a colour that was mixed is read back") {
     if (values.empty()) continue;
     ++read;
     for (const ChannelRaw& value : values) raws[static_cast<std::size_t>(value.channel)] = value.raw;
-    const auto back = colour_of_channels(type, mode, [&](int channel) { return raws[static_cast<std::size_t>(channel)]; });
+    const auto back =
+        colour_of_channels(type, mode, [&](int channel) { return raws[static_cast<std::size_t>(channel)]; });
     REQUIRE(back);
     CHECK(glm::length(*back - wanted) < 0.02);
   }
@@ -179,9 +180,8 @@ TEST_CASE("locate lights fixtures in white at their home position, highlight lea
     const auto& mode = fixtures::mode_of(ui.rig.rig, fixture);
     for (std::size_t c = 0; c < mode.channels.size(); ++c) {
       const ChannelKey key{0, static_cast<int>(c)};
-      const ChannelReading reading =
-          reading_of(fixtures::type_of(ui.rig.rig, fixture), mode.channels[c], ui.desk.index().read(key, levels),
-                     [](int) { return 0u; });
+      const ChannelReading reading = reading_of(fixtures::type_of(ui.rig.rig, fixture), mode.channels[c],
+                                                ui.desk.index().read(key, levels), [](int) { return 0u; });
       if (reading.function != nullptr && reading.function->attribute == attribute) return reading.value;
     }
     return -1e9;

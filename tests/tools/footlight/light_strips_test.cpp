@@ -11,7 +11,8 @@ namespace {
 
 using testing::UiRig;
 
-void set(const UiRig& rig, std::size_t fixture, const char* attribute, double value, std::vector<std::uint8_t>& levels) {
+void set(const UiRig& rig, std::size_t fixture, const char* attribute, double value,
+         std::vector<std::uint8_t>& levels) {
   const auto& one = rig.rig.fixtures[fixture];
   const std::size_t universe = static_cast<std::size_t>(one.universe - 1);  // the rig has 1 and 2
   REQUIRE(fixtures::encode_attribute(rig.rig, one, attribute, value,

@@ -362,7 +362,8 @@ TEST_CASE("a slot is marked for every selected fixture that listens to it") {
   CHECK(ui.frame() > released);
 }
 
-TEST_CASE("Esc closes the open list only, then the list of keys, then flying, measuring, the selection, then the window") {
+TEST_CASE(
+    "Esc closes the open list only, then the list of keys, then flying, measuring, the selection, then the window") {
   const auto rig = compiled_rig(parsed_rig(kUiRig));
   HeadlessUi ui(rig);
   ui.desk.select(0, false);

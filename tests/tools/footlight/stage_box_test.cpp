@@ -12,7 +12,8 @@ using Fixtures = std::vector<int>;
 
 // Three spots in a row, a par behind them, a par behind the wall.
 struct BoxUi {
-  BoxUi() : rig(testing::compiled_rig(testing::parsed_rig(testing::kUiRig))), pick(rig.rig), desk(rig.rig, rig.compiled) {
+  BoxUi()
+      : rig(testing::compiled_rig(testing::parsed_rig(testing::kUiRig))), pick(rig.rig), desk(rig.rig, rig.compiled) {
     fixtures::Camera camera;
     camera.position_m = {0, -12, 2};
     camera.target_m = {0, 0, 4};

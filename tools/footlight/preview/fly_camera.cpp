@@ -14,7 +14,7 @@ struct SideRow {
 // The plan has a long lens, so that what hangs high is little beside what stands below it. Haze hides what is far away,
 // so it is not longer.
 constexpr SideRow kSides[kViewSides] = {
-    {"front of house", {0, 1, -0.14}, 40}, {"from above", {0, 1, -1.4}, 40}, {"from the left", {1, 0, -0.05}, 40},
+    {"front of house", {0, 1, -0.14}, 40},  {"from above", {0, 1, -1.4}, 40}, {"from the left", {1, 0, -0.05}, 40},
     {"from the right", {-1, 0, -0.05}, 40}, {"stage plan", {0, 0, -1}, 25},
 };
 const SideRow& row_of(ViewSide side) { return kSides[static_cast<std::size_t>(side)]; }

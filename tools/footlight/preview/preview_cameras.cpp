@@ -22,8 +22,9 @@ void Preview::take_camera(std::size_t index) {
 // In the side panel.
 void Preview::show_cameras() {
   const auto& cameras = desk_->cameras();
-  const bool same = std::equal(cameras.begin(), cameras.end(), facts_.cameras.begin(), facts_.cameras.end(),
-                               [](const fixtures::Camera& camera, const std::string& name) { return camera.name == name; });
+  const bool same =
+      std::equal(cameras.begin(), cameras.end(), facts_.cameras.begin(), facts_.cameras.end(),
+                 [](const fixtures::Camera& camera, const std::string& name) { return camera.name == name; });
   facts_.can_edit = desk_->can_edit();
   if (same) return;
   facts_.cameras.clear();

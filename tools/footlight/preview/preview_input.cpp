@@ -209,8 +209,8 @@ void Preview::take_input(bool typing, DurationNs dt_ns) {
   take_picture_requests();
   take_drops();
   const auto holders = [&] {
-    return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_, handles_.dragging() || box_.dragging(),
-                      desk_->fly().on()};
+    return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_,
+                      handles_.dragging() || box_.dragging(), desk_->fly().on()};
   };
   // Before the mouse: Escape with the release of a drag in one picture puts it back.
   const KeyPress* const cancels = canceling_key(window_->keys(), holders());
@@ -292,7 +292,9 @@ void Preview::call(const UiCall& call) {
         go_to_marker(&desk_->state().markers[index]);
       }
       break;
-    case UiAction::kTheme: settings_.theme = settings_.theme == UiTheme::kDark ? UiTheme::kLight : UiTheme::kDark; break;
+    case UiAction::kTheme:
+      settings_.theme = settings_.theme == UiTheme::kDark ? UiTheme::kLight : UiTheme::kDark;
+      break;
     case UiAction::kUiSmaller:
     case UiAction::kUiLarger:
       settings_.ui_percent = next_ui_percent(settings_.ui_percent, call.action == UiAction::kUiLarger ? 1 : -1);

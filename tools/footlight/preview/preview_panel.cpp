@@ -165,7 +165,8 @@ void draw_haze(const PreviewFacts& facts, PreviewControls& controls) {
                          ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) {
     controls.haze_per_m = static_cast<double>(haze);
   }
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Light that the room's haze scatters, per metre. Ctrl and a click: type.");
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("Light that the room's haze scatters, per metre. Ctrl and a click: type.");
 }
 
 void draw_flashes(const PreviewFacts& facts, PreviewControls& controls) {

@@ -87,12 +87,12 @@ struct PreviewControls {
   std::optional<float> drag_s;  // the position of the log's slider while it is dragged
   std::optional<int> camera;
   std::optional<CameraRequest> camera_request;
-  std::optional<double> haze_per_m;                 // scattering of the room's haze
-  std::optional<FlashMode> flashes;                 // what harmful flashes do
-  std::optional<render::QualityRequest> quality;    // nothing in it: nodes and pixels by hand
-  float error_percent = 0.1f;                       // what the slider has that asks for an error
-  float picture_ms = 16;                            // and for a time
-  std::string camera_name;  // in the field of the camera whose menu is open
+  std::optional<double> haze_per_m;               // scattering of the room's haze
+  std::optional<FlashMode> flashes;               // what harmful flashes do
+  std::optional<render::QualityRequest> quality;  // nothing in it: nodes and pixels by hand
+  float error_percent = 0.1f;                     // what the slider has that asks for an error
+  float picture_ms = 16;                          // and for a time
+  std::string camera_name;                        // in the field of the camera whose menu is open
 };
 
 inline constexpr float kPanelWidth = 264;  // units of ImGui at scale 1

@@ -11,7 +11,7 @@ namespace footlight::tools {
 namespace {
 
 constexpr DurationNs kIndexNs = 2 * kNsPerMs;  // for the index of a log, each picture
-constexpr std::size_t kStripMomentsMax = 4;  // each picture
+constexpr std::size_t kStripMomentsMax = 4;    // each picture
 constexpr DurationNs kIndexPausedNs = 10 * kNsPerMs;
 constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;  // live pictures are that late: looks may be on their way
 

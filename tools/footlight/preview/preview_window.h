@@ -33,8 +33,8 @@
 #include "tools/footlight/preview/preview.h"
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
-#include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/inputs_view.h"
+#include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/messages.h"
 #include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
@@ -229,7 +229,7 @@ class Preview {
     SharedScene scene;
     LightStrips strips;
   };
-  std::unique_ptr<Strips> strips_;   // the same, once a panel is open
+  std::unique_ptr<Strips> strips_;  // the same, once a panel is open
 
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
   std::unique_ptr<Window> window_;

@@ -137,9 +137,9 @@ class Window {
   std::vector<std::string> drops_;
   MouseQueue mouse_;
   PixelRect before_full_;  // where the window was before it became full screen
-  float ui_scale_ = 1;    // of the screen
-  float user_scale_ = 1;  // beside that
-  float font_scale_ = 1;  // ui_scale() when the font was made
+  float ui_scale_ = 1;     // of the screen
+  float user_scale_ = 1;   // beside that
+  float font_scale_ = 1;   // ui_scale() when the font was made
   UiTheme theme_ = UiTheme::kDark;
   bool ui_started_ = false;
 

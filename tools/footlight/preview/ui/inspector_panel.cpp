@@ -17,7 +17,7 @@
 #include "fixtures/paperwork/patch_sheet.h"
 #include "fixtures/simulate/encode.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
-#include "tools/footlight/preview/ui/inspector_controls.h"
+#include "tools/footlight/preview/ui/draw_controls.h"
 #include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
@@ -263,10 +263,7 @@ class InspectorPanel final : public Panel {
   // Who sets the channel. With several senders of a universe it is one of those that are named.
   static void draw_source(const LevelSource& source) {
     const bool own = source.kind == SourceKind::kTaken || source.kind == SourceKind::kHighlight;
-    ui_text(own                                                     ? kUiGreen
-            : source.silent || source.kind == SourceKind::kNobody ? kUiRed
-                                                                    : kUiDim,
-            source.brief);
+    ui_text(own ? kUiGreen : source.silent || source.kind == SourceKind::kNobody ? kUiRed : kUiDim, source.brief);
     if (!ImGui::IsItemHovered()) return;
     const std::string age =
         source.age_ns > 0 ? fmt::format("\nnewest frame {:.1f} s ago", static_cast<double>(source.age_ns) * 1e-9) : "";

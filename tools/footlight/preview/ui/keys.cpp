@@ -60,7 +60,13 @@ constexpr KeyRow kKeyRows[] = {
      "move the selected fixtures by 0.1 m to -Z, down",
      UiMenu::kEdit},
     {GLFW_KEY_L, 0, {A::kHighlight}, false, "L", "highlight what is selected", UiMenu::kEdit},
-    {GLFW_KEY_L, GLFW_MOD_SHIFT, {A::kLocate}, false, "Shift+L", "locate: lit white at the home position", UiMenu::kEdit},
+    {GLFW_KEY_L,
+     GLFW_MOD_SHIFT,
+     {A::kLocate},
+     false,
+     "Shift+L",
+     "locate: lit white at the home position",
+     UiMenu::kEdit},
     {GLFW_KEY_R, 0, {A::kReleaseAll}, false, "R", "release all values that were taken over", UiMenu::kEdit},
     {GLFW_KEY_F, 0, {A::kFrame}, false, "F", "frame the selection, or the rig", UiMenu::kView},
     {GLFW_KEY_F, GLFW_MOD_SHIFT, {A::kFrameRig}, false, "Shift+F", "frame the rig", UiMenu::kView},
@@ -160,7 +166,7 @@ KeyTurn turn_of(const KeyPress& press, const KeyHolders& holders) {
   const A action = call->action;
   if (action == A::kBlackout || action == A::kEndBlackout || action == A::kDisarm) return KeyTurn::kActs;
   const bool letter = press.code >= GLFW_KEY_A && press.code <= GLFW_KEY_Z && (press.mods & GLFW_MOD_CONTROL) == 0;
-  if (holders.fly && letter && action != A::kFly) return KeyTurn::kNothing;
+  if (holders.fly && letter && action != A::kFly && action != A::kStoreCamera) return KeyTurn::kNothing;
   if (holders.drag) return action == A::kEscape ? KeyTurn::kCancelsDrag : KeyTurn::kNothing;
   return holders.question && action != A::kEscape ? KeyTurn::kNothing : KeyTurn::kActs;
 }

@@ -22,13 +22,13 @@ enum class UiAction {
   kReleaseAll,
   kFrame,  // the selection; the rig if there is none
   kFrameRig,
-  kHandles,  // that move and aim the selection in the picture
-  kNudge,    // moves the selection; argument: nudge_axis()
-  kCamera,   // argument: its index
+  kHandles,      // that move and aim the selection in the picture
+  kNudge,        // moves the selection; argument: nudge_axis()
+  kCamera,       // argument: its index
   kStoreCamera,  // the view as a new camera of the rig
   kViewFrom,     // argument: ViewSide
   kFly,          // held keys move the camera
-  kMeasure,  // clicks measure distances
+  kMeasure,      // clicks measure distances
   kFloorLines,
   kCompare,  // keeps this moment, to compare it with now
   kEndCompare,
@@ -48,7 +48,7 @@ enum class UiAction {
   kMarkerBack,  // to the marker before
   kMarkerOn,
   kMarker,  // to the one of this index
-  kTheme,  // the other one
+  kTheme,   // the other one
   kUiSmaller,
   kUiLarger,
   kOpenRecent,  // argument: index into UiDesk::recent_rigs()

@@ -29,7 +29,8 @@ LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::si
         continue;
       }
       source.brief += (source.brief.empty() ? "" : " + ") + sender.name;
-      source.words += fmt::format("{}{} (priority {})", source.words.empty() ? "" : " + ", sender.name, sender.priority);
+      source.words +=
+          fmt::format("{}{} (priority {})", source.words.empty() ? "" : " + ", sender.name, sender.priority);
     }
     if (losers > 0) source.words += fmt::format(", {} outranked", losers);
     source.words += fmt::format("  {:.0f} /s", one.rate_hz);

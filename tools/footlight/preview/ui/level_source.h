@@ -19,10 +19,10 @@ enum class SourceKind {
 
 struct LevelSource {
   SourceKind kind = SourceKind::kFaders;
-  std::string brief;        // "console", for a column
-  std::string words;        // "console (priority 100), 1 outranked  44 /s", for a line
-  bool silent = false;      // of kLive: for kSilentNs or longer
-  DurationNs age_ns = 0;    // of kLive: of the newest frame
+  std::string brief;      // "console", for a column
+  std::string words;      // "console (priority 100), 1 outranked  44 /s", for a line
+  bool silent = false;    // of kLive: for kSilentNs or longer
+  DurationNs age_ns = 0;  // of kLive: of the newest frame
 };
 
 // Of a universe, by its index in CompiledRig::universes. Several senders may win, each some slots.

@@ -53,7 +53,8 @@ std::optional<Mixing> mixing_of(const fixtures::FixtureType& type, const fixture
       const auto* function = mixing.found.at(i).function;
       stated = stated && function != nullptr && function->emitter != fixtures::kNoIndex;
     }
-    if (std::any_of(mixing.found.begin(), mixing.found.end(), [](const Found& one) { return one.channel < 0; })) continue;
+    if (std::any_of(mixing.found.begin(), mixing.found.end(), [](const Found& one) { return one.channel < 0; }))
+      continue;
     if (mixing.filters || !stated) return mixing;
     glm::dmat3 emitted(1);
     for (int i = 0; i < 3; ++i) {
@@ -81,9 +82,9 @@ void add(const fixtures::FixtureType& type, const fixtures::Mode& mode, std::str
   for (std::size_t c = 0; c < mode.channels.size(); ++c) {
     const fixtures::Channel& channel = mode.channels[c];
     if (channel.slot_offsets.empty()) continue;
-    const auto function =
-        std::find_if(channel.functions.begin(), channel.functions.end(),
-                     [&](const auto& one) { return fixtures::same_attribute(one.attribute, attribute); });
+    const auto function = std::find_if(channel.functions.begin(), channel.functions.end(), [&](const auto& one) {
+      return fixtures::same_attribute(one.attribute, attribute);
+    });
     if (function == channel.functions.end()) continue;
     const double low = std::min(function->physical_from, function->physical_to);
     const double value = low + share * std::abs(function->physical_to - function->physical_from);
@@ -108,9 +109,8 @@ std::vector<ChannelRaw> channels_of_colour(const fixtures::FixtureType& type, co
       if (channel.functions.empty()) continue;
       const std::string_view attribute = channel.functions.front().attribute;
       const bool other = attribute.starts_with("ColorAdd_") &&
-                         std::none_of(mixing->attributes.begin(), mixing->attributes.end(), [&](std::string_view one) {
-                           return fixtures::same_attribute(attribute, one);
-                         });
+                         std::none_of(mixing->attributes.begin(), mixing->attributes.end(),
+                                      [&](std::string_view one) { return fixtures::same_attribute(attribute, one); });
       if (other) add(type, mode, attribute, 0, values);
     }
   }
@@ -131,8 +131,8 @@ std::optional<glm::dvec3> colour_of_channels(const fixtures::FixtureType& type, 
     const Found& one = mixing->found.at(static_cast<std::size_t>(i));
     const fixtures::Channel& channel = mode.channels[static_cast<std::size_t>(one.channel)];
     const ChannelReading reading = reading_of(type, channel, raw_of(one.channel), raw_of);
-    const bool its = reading.function != nullptr &&
-                     fixtures::same_attribute(reading.function->attribute, one.function->attribute);
+    const bool its =
+        reading.function != nullptr && fixtures::same_attribute(reading.function->attribute, one.function->attribute);
     shares[i] = its ? share_of(*reading.function, reading.value) : 0;
   }
   return glm::clamp(mixing->filters ? 1.0 - shares : mixing->emitted * shares, glm::dvec3(0), glm::dvec3(1));

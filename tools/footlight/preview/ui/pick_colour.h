@@ -21,7 +21,7 @@ struct ChannelRaw {
   std::uint32_t raw = 0;
 };
 
-// Of every channel that mixes colours; empty: the mode mixes none. Colours that are out of reach get the nearest shares.
+// Of every channel that mixes colours; empty: the mode mixes none. Shares that are out of reach are 0 or 1.
 [[nodiscard]] std::vector<ChannelRaw> channels_of_colour(const fixtures::FixtureType& type, const fixtures::Mode& mode,
                                                          const glm::dvec3& rgb);
 // What the first three emitters or filters mix; nothing: the mode mixes no colours. raw_of: the raw value of a channel.

@@ -69,24 +69,24 @@ void draw_box(const StageBox& box, float scale) {
   const ImVec4& colour = box.mode() == BoxMode::kTakesAway ? kStageColours.bad : kStageColours.accent;
   draw.AddRectFilled(low, high, ImGui::GetColorU32({colour.x, colour.y, colour.z, 0.14f}));
   draw.AddRect(low, high, ImGui::GetColorU32(colour), 0, 0, 1.5f * scale);
-  const char* words = box.mode() == BoxMode::kAdds        ? "add"
-                      : box.mode() == BoxMode::kTakesAway ? "take away"
-                                                          : "select";
+  const char* words = box.mode() == BoxMode::kAdds ? "add" : box.mode() == BoxMode::kTakesAway ? "take away" : "select";
   draw.AddText({high.x + 4 * scale, high.y + 2 * scale}, ImGui::GetColorU32(colour), words);
 }
 
 void draw_fly(const FlyCamera& fly, const StagePlace& place, float scale) {
   if (!fly.on()) return;
-  const std::string words = fmt::format(
-      "FLY {:.1f} m/s   W A S D, E up, Q down, Shift: faster   drag: look   wheel: speed   V or Esc: end",
-      fly.speed_m_s());
-  const ImVec2 needed = ImGui::CalcTextSize(words.c_str());
-  const ImVec2 at(std::max((static_cast<float>(place.size.x) - needed.x) / 2, 4.0f),
+  const std::string words =
+      fmt::format("FLY {:.1f} m/s   W A S D, E up, Q down, Shift: faster   drag: look   wheel: speed   V or Esc: end",
+                  fly.speed_m_s());
+  const float width = static_cast<float>(place.size.x) - 24 * scale;
+  const ImVec2 needed = ImGui::CalcTextSize(words.c_str(), nullptr, false, std::max(width, 40.0f));
+  const ImVec2 at((static_cast<float>(place.size.x) - needed.x) / 2,
                   static_cast<float>(place.size.y) - needed.y - 36 * scale);
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   draw.AddRectFilled({at.x - 8 * scale, at.y - 4 * scale}, {at.x + needed.x + 8 * scale, at.y + needed.y + 4 * scale},
                      IM_COL32(0, 0, 0, 170), 3 * scale);
-  draw.AddText(at, ImGui::GetColorU32(kStageColours.accent), words.c_str());
+  draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ImGui::GetColorU32(kStageColours.accent), words.c_str(),
+               nullptr, std::max(width, 40.0f));
 }
 
 }  // namespace footlight::tools

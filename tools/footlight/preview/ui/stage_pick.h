@@ -24,8 +24,8 @@ class StagePick {
   // nearest to the point and within reach_units of it.
   [[nodiscard]] int fixture_at(const StagePlace& place, glm::dvec2 at, double reach_units = 10) const;
 
-  // The fixtures whose middle is in a rectangle of the picture, ascending. Boxes of the stage hide what is behind them, as
-  // for fixture_at().
+  // The fixtures whose middle is in a rectangle of the picture, ascending. Boxes of the stage hide what is behind them,
+  // as for fixture_at().
   [[nodiscard]] std::vector<int> fixtures_in(const StagePlace& place, glm::dvec2 low, glm::dvec2 high) const;
 
   // The rectangle around a fixture; nothing if it is behind the camera or beside the picture.

@@ -202,8 +202,8 @@ class TimelinePanel final : public Panel {
   }
 
   static std::string text_of(const LightStrips::Strip& strip) {
-    return fmt::format("\n{}: mean light of {} of {} fixtures", strip.name, std::min(strip.heads.size(), strip.fixtures),
-                       strip.fixtures);
+    return fmt::format("\n{}: mean light of {} of {} fixtures", strip.name,
+                       std::min(strip.heads.size(), strip.fixtures), strip.fixtures);
   }
 
   // The light of a group: a colour for each column of pixels, the brightest moment in it.

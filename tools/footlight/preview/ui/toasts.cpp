@@ -24,8 +24,8 @@ void draw_toasts(const MessageLog& log, TimeNs now_ns, const ImVec2& stage, floa
     draw.AddRectFilled(low, high, IM_COL32(14, 15, 18, 235), 3);
     if (message.wrong) draw.AddRectFilled(low, {low.x + 3 * scale, high.y}, ImGui::GetColorU32(kStageColours.bad), 3);
     draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), {low.x + pad, low.y + pad},
-                 ImGui::GetColorU32(message.wrong ? kStageColours.bad : kStageColours.text), text.c_str(),
-                 nullptr, width);
+                 ImGui::GetColorU32(message.wrong ? kStageColours.bad : kStageColours.text), text.c_str(), nullptr,
+                 width);
     bottom = low.y - 4 * scale;
   }
 }

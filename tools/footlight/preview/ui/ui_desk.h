@@ -171,8 +171,7 @@ class UiDesk {
 
   // Whether overlay() changes anything.
   [[nodiscard]] bool overlays() const {
-    return !pauses_ &&
-           (!state_.taken.empty() || (lights_ != Writes::kNothing && !state_.selection.fixtures.empty()));
+    return !pauses_ && (!state_.taken.empty() || (lights_ != Writes::kNothing && !state_.selection.fixtures.empty()));
   }
   // While the fixtures that move are not those that are shown: nothing is written over their levels.
   void pause_overlay(bool pauses) { pauses_ = pauses; }
@@ -200,7 +199,7 @@ class UiDesk {
   std::vector<std::string> recent_rigs_;
   std::unique_ptr<RigIndex> index_;
   std::unique_ptr<HandLevels> lit_;                                // what Highlight writes; made when it is first used
-  std::map<std::pair<int, int>, std::vector<Lit>> lit_channels_;  // of a type and a mode
+  std::map<std::pair<int, int>, std::vector<Lit>> lit_channels_;   // of a type and a mode
   UiState state_;
   UiHistory history_;
   std::uint64_t gesture_ = 1;

@@ -1,4 +1,4 @@
-#include "tools/footlight/preview/ui/inspector_controls.h"
+#include "tools/footlight/preview/ui/draw_controls.h"
 
 #include <algorithm>
 #include <cmath>
@@ -41,10 +41,10 @@ std::optional<Axis> axis_of(UiDesk& desk, int fixture, std::string_view attribut
 
 std::optional<double> angle_deg(UiDesk& desk, const UiInput& input, const Axis& axis) {
   const auto& fixture = desk.rig().fixtures[static_cast<std::size_t>(axis.key.fixture)];
-  const ChannelReading reading =
-      reading_of(fixtures::type_of(desk.rig(), fixture), desk.index().channel(axis.key),
-                 desk.index().read(axis.key, input.levels),
-                 [&](int other) { return desk.index().read({axis.key.fixture, other}, input.levels); });
+  const ChannelReading reading = reading_of(fixtures::type_of(desk.rig(), fixture), desk.index().channel(axis.key),
+                                            desk.index().read(axis.key, input.levels), [&](int other) {
+                                              return desk.index().read({axis.key.fixture, other}, input.levels);
+                                            });
   return reading.function == axis.function ? std::optional(reading.value) : std::nullopt;
 }
 
@@ -122,8 +122,8 @@ void InspectorControls::draw_pad(UiDesk& desk, const UiInput& input, int lead,
     ui_text(kUiDim, "these channels do something else now");
   }
   ImGui::SameLine();
-  if (ImGui::SmallButton("home")) take(std::clamp(0.0, pan->low_deg(), pan->high_deg()),
-                                       std::clamp(0.0, tilt->low_deg(), tilt->high_deg()));
+  if (ImGui::SmallButton("home"))
+    take(std::clamp(0.0, pan->low_deg(), pan->high_deg()), std::clamp(0.0, tilt->low_deg(), tilt->high_deg()));
   ImGui::SameLine();
   ImGui::BeginDisabled(!taken);
   const std::array<ChannelKey, 2> keys{pan->key, tilt->key};
@@ -156,8 +156,8 @@ void InspectorControls::draw_colour(UiDesk& desk, const UiInput& input, int lead
   }
   std::vector<ChannelKey> keys;
   for (const ChannelRaw& value : channels_of_colour(type, mode, *now)) keys.push_back({lead, value.channel});
-  const bool taken = std::any_of(keys.begin(), keys.end(),
-                                 [&](ChannelKey key) { return desk.state().taken.contains(key); });
+  const bool taken =
+      std::any_of(keys.begin(), keys.end(), [&](ChannelKey key) { return desk.state().taken.contains(key); });
   ImGui::BeginDisabled(!taken);
   if (ImGui::SmallButton("release##colour")) desk.release_several(keys, input.levels);
   ImGui::EndDisabled();
