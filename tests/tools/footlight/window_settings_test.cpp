@@ -1,6 +1,7 @@
 // What the window remembers, and what files that are dropped on it are.
 #include "tools/footlight/preview/window_settings.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -23,6 +24,8 @@ TEST_CASE("settings are read as they were written, in a folder that is made, and
   const std::string path = window_settings_path(folder.file("state"));
   CHECK(*load_window_settings(path) == WindowSettings{});
   WindowSettings settings;
+  REQUIRE(save_window_settings(path, settings));  // before any rig was opened
+  CHECK(load_window_settings(path) == settings);
   settings.theme = UiTheme::kLight;
   settings.ui_percent = 150;
   for (int i = 0; i < 14; ++i) settings.add_recent("/shows/a \"" + std::to_string(i) + "\".toml");
@@ -30,6 +33,7 @@ TEST_CASE("settings are read as they were written, in a folder that is made, and
   CHECK(settings.recent_rigs.size() == WindowSettings::kRecentMax);
   CHECK(settings.recent_rigs[0] == "/shows/a \"9\".toml");
   CHECK(settings.recent_rigs[1] == "/shows/a \"13\".toml");
+  CHECK(std::count(settings.recent_rigs.begin(), settings.recent_rigs.end(), settings.recent_rigs[0]) == 1);
   REQUIRE(save_window_settings(path, settings));
   const auto again = load_window_settings(path);
   REQUIRE_MESSAGE(again, again.error().message);

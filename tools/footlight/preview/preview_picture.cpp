@@ -67,11 +67,18 @@ void Preview::take_curves(const render::KnobCurves& curves) {
 
 void Preview::ask_for_quality(const render::QualityRequest& request) {
   drop_curves();
+  const bool asks = request.error > 0 || request.ms > 0;
+  if (asks && !curves_) {
+    curves_ = read_knob_curves(knob_curves_path(cache_folder(), device_->facts()), device_->facts(), curves_program());
+  }
+  if (asks && !curves_ && outputs_ && outputs_view_.any_on()) {  // the window may hang for longer than outputs wait
+    return tell("this machine is not measured yet, and outputs are armed: disarm them first", true);
+  }
   facts_.quality = request;
   facts_.chosen.reset();
   keeper_.reset();
   ladder_.clear();
-  if (!(request.error > 0) && !(request.ms > 0)) {
+  if (!asks) {
     knobs_ = {};
     knobs_.tile_error = options_.tile_error;
     knobs_.body_error_px = options_.body_error_px;

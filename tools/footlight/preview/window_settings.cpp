@@ -46,9 +46,10 @@ std::string window_settings_path(const std::string& state_folder) {
 }
 
 std::string text_of(const WindowSettings& settings) {
-  std::string text = fmt::format(
-      "# Settings of the window of 'footlight preview'.\ntheme = \"{}\"\nui_percent = {}\nrecent_rigs = [\n",
-      word_of(settings.theme), settings.ui_percent);
+  std::string text = fmt::format("# Settings of the window of 'footlight preview'.\ntheme = \"{}\"\nui_percent = {}\n",
+                                 word_of(settings.theme), settings.ui_percent);
+  if (settings.recent_rigs.empty()) return text;  // an empty list is an error of a file
+  text += "recent_rigs = [\n";
   for (const std::string& path : settings.recent_rigs) text += fmt::format("  {},\n", fixtures::toml_text(path));
   return text + "]\n";
 }
