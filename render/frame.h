@@ -107,6 +107,11 @@ class Frame {
   // Work light from the next picture on, lx on a face that looks up and at the camera, on top of the rig's ambient
   // light. At first there is none.
   void set_work_light_lx(double work_light_lx) { work_light_lx_ = work_light_lx; }
+  // Scattering of the room's own haze from the next picture on, in 1/m; finite, 0 or more. Changes no pass. Does
+  // nothing in a rig that has no haze.
+  void set_haze_per_m(double scattering_per_m) {
+    if (needs_.haze) haze_.scattering_per_m = scattering_per_m;
+  }
 
   // The pixels of a display of the rig with a video, columns x rows of them, from the next record() on. Until the first
   // ones it is dark. Ignored if it shows something else.

@@ -14,6 +14,7 @@
 #include "tests/tools/footlight/edit_desk.h"
 #include "tests/tools/footlight/panels_test_imgui.h"
 #include "tests/tools/footlight/ui_rigs.h"
+#include "tools/footlight/preview/light_strips.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/stage_marks.h"
 
@@ -71,6 +72,26 @@ void universes(benchmark::State& state) { draw_panels(state, "universes", false)
 void universes_changing(benchmark::State& state) { draw_panels(state, "universes", true); }
 void patch(benchmark::State& state) { draw_panels(state, "fixtures", false); }
 void inspector(benchmark::State& state) { draw_panels(state, "inspector", false); }
+// A drag that selects by a rectangle over the whole picture.
+void rectangle(benchmark::State& state) {
+  const testing::UiRig rig = testing::many_fixtures(static_cast<int>(state.range(0)));
+  const StagePick pick(rig.rig);
+  fixtures::Camera camera;
+  camera.position_m = {50, -120, 60};
+  camera.target_m = {50, 50, 0};
+  const StagePlace place{render::view_of(camera), {1920, 1080}};
+  for (auto _ : state) benchmark::DoNotOptimize(pick.fixtures_in(place, {0, 0}, {1920, 1080}).size());
+}
+
+// One moment of the timeline's strips.
+void strips(benchmark::State& state) {
+  const testing::UiRig rig = testing::many_fixtures(static_cast<int>(state.range(0)));
+  LightStrips all(rig.rig, rig.compiled);
+  const std::vector<std::uint8_t> levels(rig.compiled.universes.size() * kSlotCountMax, 200);
+  TimeNs at_ns = 0;
+  for (auto _ : state) all.add(at_ns += 2 * kNsPerS, levels);
+}
+
 void timeline(benchmark::State& state) { draw_panels(state, "timeline", false); }
 // 10,000 files are listed: the panel draws those that are in sight.
 void library(benchmark::State& state) {
@@ -192,6 +213,8 @@ BENCHMARK(universes_changing)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(patch)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(inspector)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(timeline)->Arg(24)->Unit(benchmark::kMillisecond);
+BENCHMARK(rectangle)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(strips)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(library)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(library_search)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(all_selected)->Arg(10'000)->Unit(benchmark::kMillisecond);

@@ -150,6 +150,22 @@ TEST_CASE("turning haze off draws the same rig in clear air, and turning it on r
   CHECK(draw(*frame, scene).rgb == hazed.rgb);
 }
 
+TEST_CASE("haze that is set between two pictures is drawn as the same haze of a rig, and compiles nothing") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = demo_scene(75, true);
+  Scene thick = scene;
+  thick.rig.haze.scattering_per_m *= 3;
+  const auto frame = make_frame(vulkan.device(), scene, sized(64, 36));
+  const RadianceImage before = draw(*frame, scene);
+  const auto compiled = vulkan.device().pipelines().compiled();
+  frame->set_haze_per_m(thick.rig.haze.scattering_per_m);
+  const RadianceImage seen = draw(*frame, scene);
+  CHECK(vulkan.device().pipelines().compiled() == compiled);
+  CHECK(seen.rgb != before.rgb);
+  CHECK(seen.rgb == draw_new(vulkan.device(), thick, sized(64, 36)).rgb);
+}
+
 TEST_CASE("a frame that changes its size without haze draws shadows in haze as a new frame does") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

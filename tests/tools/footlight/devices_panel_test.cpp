@@ -131,6 +131,23 @@ TEST_CASE("inputs are listed with state, rate and age, and what is wrong with th
   CHECK(has(words, "footlight doctor"));
 }
 
+TEST_CASE("break and latency have columns where some output knows them, and none where nobody does") {
+  OutputsView view = two_outputs();
+  view.rows[1].state = ArmState::kArmed;
+  view.rows[1].status = PortStatus{.name = "enttec-pro:EN1", .is_sink = true, .state = PortState::kWorking};
+  Ui ui(&view);
+  CHECK(!has(ui.words(), "latency"));
+  CHECK(!has(ui.words(), "break"));
+  view.rows[1].status->latency.count = 7;
+  view.rows[1].status->latency.p50_ns = 1'250 * kNsPerUs;
+  CHECK(has(ui.words(), "latency"));
+  CHECK(has(ui.words(), "1.25 ms"));
+  CHECK(!has(ui.words(), "break"));
+  view.rows[1].status->figures.push_back({"break_us", 176.4});
+  CHECK(has(ui.words(), "break"));
+  CHECK(has(ui.words(), "176 us"));
+}
+
 TEST_CASE("clicks anywhere in the panel arm nothing: a question comes, whose button needs a tick") {
   OutputsView view = two_outputs();
   Ui ui(&view);

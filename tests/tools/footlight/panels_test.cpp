@@ -362,11 +362,13 @@ TEST_CASE("a slot is marked for every selected fixture that listens to it") {
   CHECK(ui.frame() > released);
 }
 
-TEST_CASE("Esc closes the open list only, then the list of keys, then measuring, then the selection, then the window") {
+TEST_CASE(
+    "Esc closes the open list only, then the list of keys, then flying, measuring, the selection, then the window") {
   const auto rig = compiled_rig(parsed_rig(kUiRig));
   HeadlessUi ui(rig);
   ui.desk.select(0, false);
   ui.desk.measure().on = true;
+  ui.desk.fly().set_on(true);
   ui.show(kKeys);
   // A menu with a list in it.
   bool menu = false;
@@ -400,6 +402,9 @@ TEST_CASE("Esc closes the open list only, then the list of keys, then measuring,
   CHECK(draw(true));
   CHECK(!menu);
   CHECK(!ui.open.is_open(kKeys));
+  CHECK(ui.desk.fly().on());
+  CHECK(draw(true));
+  CHECK(!ui.desk.fly().on());
   CHECK(ui.desk.measure().on);
   CHECK(draw(true));
   CHECK(!ui.desk.measure().on);

@@ -1,96 +1,113 @@
-// The side panel of the window, and what need not be drawn again. Without a window.
-#include <array>
-#include <memory>
+// The panel beside the picture without a window: what its controls ask for.
 #include <string>
-#include <vector>
 
 #include <imgui/imgui.h>
 
 #include <doctest/doctest.h>
 
-#include "sim/system_clock.h"
-#include "tests/support/must.h"
 #include "tests/tools/footlight/panels_test_imgui.h"
 #include "tools/footlight/preview/preview_panel.h"
-#include "tools/footlight/preview/window_ui.h"
 
 namespace footlight::tools {
 namespace {
 
-using footlight::testing::must;
-
-class SidePanel final : public testing::DrawnUi {
+class SidePanel : public testing::DrawnUi {
  public:
+  SidePanel() : imgui(1280, 900) {
+    facts.cameras = {"stalls", "wings"};
+    facts.can_edit = facts.can_haze = true;
+    facts.room_haze_per_m = 0.02;
+    for (int i = 0; i < 3; ++i) frame();
+  }
   void frame() override {
     ImGui::NewFrame();
     if (logs) ImGui::LogToClipboard();
-    draw_panel(facts, controls, live, nullptr, 1, [] {});
+    draw_panel(facts, controls, nullptr, nullptr, 1, [] {});
     if (logs) ImGui::LogFinish();
     ImGui::Render();
   }
+  // Presses down the panel until `done`.
+  template <class Done>
+  bool press_down(float x, int button, Done done) {
+    for (float y = 30; y < 900; y += 5) {
+      press(x, y, button);
+      if (done()) return true;
+    }
+    return false;
+  }
+  static bool has_popup() { return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel); }
 
+  testing::HeadlessImGui imgui;
   PreviewFacts facts;
   PreviewControls controls;
-  const LiveLevels* live = nullptr;
-
- private:
-  testing::HeadlessImGui imgui_{800, 1200};
 };
 
-TEST_CASE("the list of live inputs leaves out what the window itself receives them with") {
-  SystemClock clock;
-  const std::array<Universe, 1> universes{1};
-  const auto live = must(LiveLevels::start(universes, {}, clock));
-  SidePanel panel;
-  panel.live = live.get();
-  panel.facts.status.ports.resize(2);
-  panel.facts.status.ports[0].name = "sacn:1";
-  panel.facts.status.ports[1].name = "own-trail";
-  panel.facts.status.ports[1].is_sink = true;
-  const std::string words = panel.words();
-  CHECK(words.find("sacn:1") != std::string::npos);
-  CHECK(words.find("own-trail") == std::string::npos);
-}
-
-TEST_CASE("panels that stay as they are need not be drawn again, and those that change do") {
-  SidePanel panel;
-  panel.facts.rig = "a rig";
-  for (int i = 0; i < 3; ++i) panel.frame();  // sizes settle
-  ShownUi shown;
-  CHECK(shown.changes(*ImGui::GetDrawData()));  // the first ones
-  panel.frame();
-  CHECK(!shown.changes(*ImGui::GetDrawData()));
-  panel.facts.rig = "b rig";
-  panel.frame();
-  CHECK(shown.changes(*ImGui::GetDrawData()));
-  panel.frame();
-  CHECK(!shown.changes(*ImGui::GetDrawData()));
-  panel.controls.work_light = true;
-  panel.frame();
-  CHECK(shown.changes(*ImGui::GetDrawData()));
-  shown.forget();
-  CHECK(shown.changes(*ImGui::GetDrawData()));
-}
-
-TEST_CASE("a slider that moves by less than a quarter of a pixel need not be drawn again, until it has moved by one") {
-  SidePanel panel;
-  panel.facts.has_log = true;
-  panel.controls.transport.duration_ns = 60 * kNsPerS;
-  panel.controls.transport.now_ns = 10 * kNsPerS;
-  for (int i = 0; i < 3; ++i) panel.frame();  // sizes settle
-  ShownUi shown;
-  CHECK(shown.changes(*ImGui::GetDrawData()));
-  const TimeNs from_ns = panel.controls.transport.now_ns;
-  while (panel.controls.transport.now_ns < from_ns + 99 * kNsPerMs) {  // within a tenth of a second, which is text
-    panel.controls.transport.now_ns += kNsPerMs;
-    panel.frame();
-    if (shown.changes(*ImGui::GetDrawData())) break;
+TEST_CASE("the menu of a camera stores the view there, and deletes it") {
+  SidePanel ui;
+  for (const auto what : {CameraRequest::What::kStore, CameraRequest::What::kDelete}) {
+    REQUIRE(ui.press_down(1060, 1, [] { return SidePanel::has_popup(); }));
+    const ImVec2 at = ImGui::GetIO().MousePos;
+    for (float y = at.y; y < at.y + 90 && !(ui.controls.camera_request && ui.controls.camera_request->what == what);
+         y += 4) {
+      if (!SidePanel::has_popup()) ui.press(at.x, at.y, 1);
+      ui.controls.camera_request.reset();
+      ui.press(at.x + 30, y);
+    }
+    REQUIRE(ui.controls.camera_request);
+    CHECK(ui.controls.camera_request->index == 0);
+    ui.controls.camera_request.reset();
+    for (int i = 0; i < 3; ++i) ui.frame();
   }
-  // Some four pixels a second.
-  CHECK(panel.controls.transport.now_ns > from_ns + 50 * kNsPerMs);
-  CHECK(panel.controls.transport.now_ns < from_ns + 99 * kNsPerMs);
-  panel.frame();
-  CHECK(!shown.changes(*ImGui::GetDrawData()));
+}
+
+TEST_CASE("the haze slider asks for a value in 1/m, and there is none in a rig without haze") {
+  SidePanel ui;
+  CHECK(ui.words().find("0.0200 /m") != std::string::npos);
+  CHECK(ui.press_down(1240, 0, [&] { return ui.controls.haze_per_m.has_value(); }));
+  CHECK(*ui.controls.haze_per_m > 0.02);
+  CHECK(*ui.controls.haze_per_m <= 1);
+  ui.facts.can_haze = false;
+  CHECK(ui.words().find("0.0200 /m") == std::string::npos);
+}
+
+TEST_CASE("an error or a time is asked for at the release of its slider") {
+  SidePanel ui;
+  ui.facts.quality.ms = 16;
+  for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(ui.words().find("16.0 ms a picture") != std::string::npos);
+  bool held = false;
+  for (float y = 200; y < 900 && !ui.controls.quality; y += 5) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.MousePos = {1255, y};
+    ui.frame();
+    io.MouseDown[0] = true;
+    ui.frame();
+    held = held || ui.controls.quality.has_value();
+    io.MousePos.x = 1262;
+    ui.frame();
+    held = held || ui.controls.quality.has_value();
+    io.MouseDown[0] = false;
+    ui.frame();
+  }
+  CHECK(!held);
+  REQUIRE(ui.controls.quality);
+  CHECK(ui.controls.quality->ms > 16);
+  CHECK(ui.controls.quality->error == 0);
+  ui.facts.quality = {.error = 0.001};
+  CHECK(ui.words().find("for an error") != std::string::npos);
+  ui.facts.measures_knobs = true;
+  CHECK(ui.words().find("measuring this machine") != std::string::npos);
+}
+
+TEST_CASE("the mode of harmful flashes is shown, and each mode is followed by another one") {
+  SidePanel ui;
+  for (const FlashMode mode : kFlashModes) {
+    ui.facts.flashes = mode;
+    CHECK(ui.words().find(std::string("harmful flashes: ") + word_of(mode)) != std::string::npos);
+    CHECK(flash_mode_of(word_of(mode)) == mode);
+    CHECK(next_of(next_of(next_of(mode))) == mode);
+    CHECK(next_of(mode) != mode);
+  }
 }
 
 }  // namespace

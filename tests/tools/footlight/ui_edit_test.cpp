@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "fixtures/edit/rig_cameras.h"
 #include "fixtures/files/definition_list.h"
 #include "tests/support/definition_files.h"
 #include "tests/support/temp_folder.h"
@@ -271,6 +272,35 @@ position = [0, 0, 5]
   const std::vector<std::uint8_t> levels(desk.compiled().universes.size() * kSlotCountMax);
   desk.take({0, channel}, 1, levels);
   CHECK(desk.undo() == "set " + name_of(shown[static_cast<std::size_t>(channel)]) + " of Mover");
+}
+
+TEST_CASE("edits of cameras and haze make no new scene, count as unsaved, and are undone") {
+  EditDesk one(parsed_rig(kUiRig));
+  UiDesk& desk = one.desk;
+  const auto scene = one.scene->scene();
+  fixtures::Camera view;
+  view.position_m = {3, -9, 4};
+  desk.begin_gesture();
+  REQUIRE(desk.edit(fixtures::add_camera(desk.edited(), desk.cameras(), view)));
+  REQUIRE(desk.cameras().size() == 2);
+  CHECK(desk.cameras()[1].position_m == view.position_m);
+  const double haze_per_m = desk.edited().haze.scattering_per_m;
+  desk.begin_gesture();
+  REQUIRE(desk.edit(fixtures::set_haze(desk.edited(), 0.1)));
+  REQUIRE(desk.edit(fixtures::set_haze(desk.edited(), 0.2)));
+  CHECK(desk.state().revision != 0);
+  CHECK(one.scene->scene() == scene);
+  CHECK(desk.undo() == "set the haze to 0.2000 /m");
+  CHECK(desk.edited().haze.scattering_per_m == haze_per_m);
+  CHECK(desk.undo() == "store the camera view 1");
+  CHECK(desk.cameras().size() == 1);
+  CHECK(desk.state().revision == 0);
+  CHECK(one.scene->scene() == scene);
+  CHECK(desk.redo() == "store the camera view 1");
+  CHECK(desk.cameras().size() == 2);
+  REQUIRE(desk.edit(fixtures::move_fixtures(desk.edited(), std::vector<int>{0}, {1, 0, 0})));
+  CHECK(one.scene->scene() != scene);
+  CHECK(desk.cameras().size() == 2);
 }
 
 TEST_CASE("a refused edit changes nothing and says why") {

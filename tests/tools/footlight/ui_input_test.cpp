@@ -173,6 +173,22 @@ TEST_CASE("keys of outputs act while a handle is dragged, Escape cancels the dra
   CHECK(canceling_key(keys, {true, false, true}) == nullptr);
 }
 
+TEST_CASE("while the camera flies letters do nothing, but for its end, storing the view, outputs and Ctrl") {
+  KeyHolders holders;
+  holders.fly = true;
+  for (const int letter : {GLFW_KEY_W, GLFW_KEY_E, GLFW_KEY_Q, GLFW_KEY_R, GLFW_KEY_X}) {
+    CHECK(turn_of({letter, 0, false}, {}) == KeyTurn::kActs);
+    CHECK(turn_of({letter, 0, false}, holders) == KeyTurn::kNothing);
+  }
+  CHECK(turn_of({GLFW_KEY_F, GLFW_MOD_SHIFT, false}, holders) == KeyTurn::kNothing);
+  for (const KeyPress& key : {KeyPress{GLFW_KEY_V, 0, false}, KeyPress{GLFW_KEY_C, 0, false},
+                              KeyPress{GLFW_KEY_ESCAPE, 0, false}, KeyPress{GLFW_KEY_B, 0, false},
+                              KeyPress{GLFW_KEY_Z, GLFW_MOD_CONTROL, false}, KeyPress{GLFW_KEY_SPACE, 0, false},
+                              KeyPress{GLFW_KEY_F2, 0, false}}) {
+    CHECK(turn_of(key, holders) == KeyTurn::kActs);
+  }
+}
+
 TEST_CASE("a key that is pressed and released between two pictures is down in one of them") {
   KeyTaps taps;
   std::array<bool, KeyTaps::kKeys> down{};

@@ -35,6 +35,9 @@ void add(Arguments& arguments) {
                    "messages, keys");
   arguments.list("--library", options->library, "FOLDER", "definitions of fixtures that can be added, too");
   arguments.option("--select", options->select, "NAME", "fixtures that are selected at the start; * for any text");
+  arguments.option("--theme", options->theme, "WORD", "dark or light; default: as it was set in the window last");
+  arguments.option("--ui-scale", options->ui_percent, kUiPercentMin, kUiPercentMax,
+                   "size of panels and text in per cent; default: as it was set in the window last");
   arguments.flag("--handles", options->handles, "show the handles that move and aim selected fixtures (key G)");
   arguments.option("--work-light", options->work_light_lx, 0, 1e6,
                    "lx on every surface, key W turns it off and on; default without input: 150 or more");

@@ -36,6 +36,15 @@ void extend(LightCurve& curve, const SeekIndex& index) {
   }
 }
 
+void extend(LightStrips& strips, const SeekIndex& index, std::size_t moments_max) {
+  const TimeNs last_ns = strips.times().empty() ? -1 : strips.times().back();
+  std::size_t added = 0;
+  for (const SeekIndex::Moment& moment : index.after(last_ns)) {
+    if (added++ == moments_max) return;
+    strips.add(moment.position.now_ns, moment.position.levels);
+  }
+}
+
 LogPlayer::LogPlayer(std::function<Timeline()> read, Clock& clock) : read_(std::move(read)), clock_(clock) {
   timeline_.emplace(read_());
   if (timeline_->can_go()) index_.emplace(read_());

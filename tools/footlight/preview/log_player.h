@@ -16,6 +16,7 @@
 #include "sim/core/clock.h"
 #include "tools/footlight/pictures/seek_index.h"
 #include "tools/footlight/pictures/timeline.h"
+#include "tools/footlight/preview/light_strips.h"
 #include "tools/footlight/preview/ui/transport.h"
 
 namespace footlight::tools {
@@ -26,6 +27,8 @@ Status advance_frame(Timeline& timeline, render::Frame& frame, TimeNs until_ns, 
 
 // Adds what the moments have beyond the curve's last point.
 void extend(LightCurve& curve, const SeekIndex& index);
+// By at most so many moments, since each takes up to a millisecond.
+void extend(LightStrips& strips, const SeekIndex& index, std::size_t moments_max);
 
 class LogPlayer {
  public:

@@ -65,6 +65,19 @@ void OrbitCamera::approach(double steps) {
   distance_m_ = std::clamp(distance_m_ * std::pow(0.9, steps), kDistanceMinM, kDistanceMaxM);
 }
 
+void OrbitCamera::fly(double right_m, double ahead_m, double up_m) {
+  const glm::dvec3 right_way(std::cos(azimuth_rad_), -std::sin(azimuth_rad_), 0);
+  const glm::dvec3 by_m = right_way * right_m + forward() * ahead_m + glm::dvec3(0, 0, up_m);
+  const glm::dvec3 next_m = camera_.target_m + by_m;
+  if (glm::length(next_m) <= kDistanceMaxM) camera_.target_m = next_m;
+}
+
+void OrbitCamera::look(double right_rad, double up_rad) {
+  const glm::dvec3 eye_m = camera_.target_m - forward() * distance_m_;
+  orbit(-right_rad, -up_rad);
+  camera_.target_m = eye_m + forward() * distance_m_;
+}
+
 void OrbitCamera::frame(const glm::dvec3& low_m, const glm::dvec3& high_m, double aspect) {
   const glm::dvec3 middle = (low_m + high_m) * 0.5;
   const glm::dvec3 right_way(std::cos(azimuth_rad_), -std::sin(azimuth_rad_), 0);

@@ -21,6 +21,10 @@ class OrbitCamera {
   void pan(double right, double up);
   // One step is a tenth of the distance to the target; negative: away. 5 cm to 50 km from the target.
   void approach(double steps);
+  // Moves the camera and its target, metres: to the right and along the line of sight, and straight up.
+  void fly(double right_m, double ahead_m, double up_m);
+  // Turns about the camera's own place. Positive: to the right, and up (rad); up to almost straight up and down.
+  void look(double right_rad, double up_rad);
   // Frames the box: from the nearest position with all of it in a picture of this width over height, with a margin.
   void frame(const glm::dvec3& low_m, const glm::dvec3& high_m, double aspect);
 

@@ -10,6 +10,7 @@
 #include "sim/core/clock.h"
 #include "tools/footlight/pictures/flash_mode.h"
 #include "tools/footlight/pictures/scene_files.h"
+#include "tools/footlight/preview/window_settings.h"
 
 namespace footlight::tools {
 
@@ -22,6 +23,8 @@ struct PreviewOptions {
   std::string panels;                // words of open panels, separated by commas
   std::vector<std::string> library;  // folders that the panel of the library lists, too
   std::string select;                // name of the fixtures that are selected, with * for any text
+  std::string theme;                 // "dark" or "light"; empty: as the window's settings have it
+  std::optional<int> ui_percent;     // size of the user interface; default: as the settings have it
   bool handles = false;              // handles of the selected fixtures are shown at the start
   std::string device;
   std::string screenshot;               // PNG of the last frame; empty: none
@@ -38,6 +41,7 @@ struct PreviewOptions {
   FlashMode flashes = FlashMode::kWarn;
   bool recover = false;  // opens the newest edits of the rig that a session lost
   bool json = false;
+  std::string news;  // a message of the window at its start; empty: none
 };
 
 // Opens the window and returns an ExitCode when it is closed.

@@ -232,10 +232,12 @@ void Preview::draw_questions() {
       lost_.reset();
     }
   }
+  draw_open_question();
   if (!asks_close_) return;
   const auto answer = close_question_.draw(edited_->file().target(), save_error_);
   if (!answer) return;
   asks_close_ = false;
+  if (*answer == CloseAnswer::kStay) next_.reset();
   if (*answer == CloseAnswer::kSave) save();
   discards_ = *answer == CloseAnswer::kDiscard;
   closing_ = discards_ || (*answer == CloseAnswer::kSave && !unsaved());
@@ -245,6 +247,7 @@ void Preview::draw_questions() {
 // At the end of the program.
 void Preview::end_edits() {
   drop_frame();
+  drop_curves();
   if (!autosave_) return;
   if (!unsaved() || discards_) {
     autosave_->forget();

@@ -50,7 +50,7 @@ const StagePick& Preview::pick() {
 }
 
 // Everything that is drawn over the picture, and what it and the keys ask for.
-void Preview::draw_ui() {
+void Preview::draw_ui(DurationNs dt_ns) {
   const TimeNs begun_ns = clock_.now_ns();
   window_->begin_ui();
   const auto any_button = [](bool (*is)(ImGuiMouseButton)) { return is(0) || is(1) || is(2); };
@@ -73,6 +73,7 @@ void Preview::draw_ui() {
     if (live_) input.status = &facts_.status;
     if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
+    if (curve_ && strips_) input.strips = &strips_->strips;
     input.outputs = &outputs_view_;
     input.inputs = &inputs_view_;
     input.messages = &messages_;
@@ -87,7 +88,7 @@ void Preview::draw_ui() {
     chosen = found;
   }
   if (chosen) call(*chosen);
-  take_input(palette_open);
+  take_input(palette_open, dt_ns);
   // The last movement of a drag comes with the release.
   begin_gesture([](ImGuiMouseButton button) { return ImGui::IsMouseReleased(button); });
   draw_measures();
@@ -95,6 +96,8 @@ void Preview::draw_ui() {
     draw_marks(edited_->scene()->rig, pick(), stage(), selection, window_->ui_scale());
     if (desk_->handles()) draw_handles(handles_, *desk_, pick(), stage(), window_->ui_scale());
   }
+  draw_box(box_, window_->ui_scale());
+  draw_fly(desk_->fly(), stage(), window_->ui_scale());
   show_exposure();
   draw_questions();
   if (std::string news = desk_->take_news(); !news.empty()) tell(std::move(news));
@@ -106,6 +109,11 @@ void Preview::draw_ui() {
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
   window_->end_ui();
   ui_times_.add(static_cast<double>(clock_.now_ns() - begun_ns) * 1e-6);
+}
+
+void Preview::cancel_drags() {
+  handles_.cancel(*desk_);
+  box_.cancel();
 }
 
 // True: the left button of the mouse belongs to a handle.
@@ -127,9 +135,24 @@ bool Preview::take_handles() {
   return handles_.take(*desk_, input);
 }
 
+// True: a drag of a rectangle has the left button of the mouse.
+bool Preview::take_box(bool handle) {
+  const ImGuiIO& io = ImGui::GetIO();
+  BoxInput input;
+  input.place = stage();
+  input.mouse = {io.MousePos.x, io.MousePos.y};
+  input.over_stage = !io.WantCaptureMouse && !handle;
+  input.pressed = ImGui::IsMouseClicked(ImGuiMouseButton_Left);
+  input.down = ImGui::IsMouseDown(ImGuiMouseButton_Left);
+  input.ctrl = io.KeyCtrl;
+  input.shift = io.KeyShift;
+  if (!input.pressed && !box_.holds()) return false;
+  return box_.take(*desk_, pick(), input);
+}
+
 void Preview::take_mouse() {
   const bool handle = take_handles();
-  if (handles_.dragging()) {
+  if (handles_.dragging() || take_box(handle)) {
     pressed_on_stage_.fill(false);  // a drag of the camera that is under way ends: it would be in the same gesture
     return;
   }
@@ -160,7 +183,9 @@ void Preview::take_mouse() {
       }
       continue;
     }
-    if (button == ImGuiMouseButton_Left) {
+    if (button == ImGuiMouseButton_Left && desk_->fly().on()) {
+      camera.look(right * kOrbitRad, -down * kOrbitRad);
+    } else if (button == ImGuiMouseButton_Left) {
       camera.orbit(-right * kOrbitRad, down * kOrbitRad);
     } else {
       camera.pan(-right, down);
@@ -168,7 +193,9 @@ void Preview::take_mouse() {
     moves = moves || right != 0 || down != 0;
   }
   if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) selects_more_ = io.KeyCtrl || io.KeyShift;
-  if (io.MouseWheel != 0 && !io.WantCaptureMouse) {
+  if (io.MouseWheel != 0 && !io.WantCaptureMouse && desk_->fly().on()) {
+    desk_->fly().change_speed(static_cast<double>(io.MouseWheel));
+  } else if (io.MouseWheel != 0 && !io.WantCaptureMouse) {
     camera.approach(static_cast<double>(io.MouseWheel));
     moves = true;
   }
@@ -176,20 +203,26 @@ void Preview::take_mouse() {
 }
 
 // typing: keys belong to the palette, also Esc, which it has seen.
-void Preview::take_input(bool typing) {
+void Preview::take_input(bool typing, DurationNs dt_ns) {
   const ImGuiIO& io = ImGui::GetIO();
   if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
+  if (const auto request = std::exchange(controls_.camera_request, std::nullopt)) edit_cameras(*request);
+  show_cameras();
+  take_picture_requests();
+  take_drops();
   const auto holders = [&] {
-    return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_, handles_.dragging()};
+    return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_,
+                      handles_.dragging() || box_.dragging(), desk_->fly().on()};
   };
   // Before the mouse: Escape with the release of a drag in one picture puts it back.
   const KeyPress* const cancels = canceling_key(window_->keys(), holders());
-  if (cancels != nullptr) handles_.cancel(*desk_);
+  if (cancels != nullptr) cancel_drags();
   take_mouse();
+  fly(holders().text, dt_ns);
   for (const KeyPress& key : window_->keys()) {
     if (&key == cancels) continue;
     const KeyTurn turn = turn_of(key, holders());
-    if (turn == KeyTurn::kCancelsDrag) handles_.cancel(*desk_);
+    if (turn == KeyTurn::kCancelsDrag) cancel_drags();
     if (turn != KeyTurn::kActs) continue;
     if (!key.repeated && !handles_.dragging()) desk_->begin_gesture();
     call(*call_of(key));
@@ -216,6 +249,7 @@ void Preview::call(const UiCall& call) {
       break;
     }
     case UiAction::kHighlight: desk_->set_highlight(!desk_->highlights()); break;
+    case UiAction::kLocate: desk_->set_locate(!desk_->locates()); break;
     case UiAction::kReleaseAll: desk_->release_all(); break;
     case UiAction::kFrame:
       if (const auto& which = desk_->state().selection.fixtures; !which.empty()) {
@@ -234,7 +268,14 @@ void Preview::call(const UiCall& call) {
     case UiAction::kCompare: compare_from_here(); break;
     case UiAction::kEndCompare: desk_->comparison() = {}; break;
     case UiAction::kCamera: take_camera(static_cast<std::size_t>(call.argument)); break;
+    case UiAction::kStoreCamera: store_new_camera(); break;
+    case UiAction::kViewFrom: view_from_side(static_cast<ViewSide>(call.argument)); break;
+    case UiAction::kFly: desk_->fly().set_on(!desk_->fly().on()); break;
     case UiAction::kWorkLight: controls_.work_light = !controls_.work_light; break;
+    case UiAction::kFlashes:
+      desk_->set_flashes(next_of(desk_->flashes()));
+      tell(fmt::format("harmful flashes: {}", words_of(desk_->flashes())));
+      break;
     case UiAction::kBrighter: expose(-kExposureStepEv); break;  // a lower EV makes a brighter picture
     case UiAction::kDarker: expose(kExposureStepEv); break;
     case UiAction::kPlay: controls_.transport.playing = !controls_.transport.playing; break;
@@ -251,6 +292,19 @@ void Preview::call(const UiCall& call) {
     case UiAction::kMarker:
       if (const auto index = static_cast<std::size_t>(call.argument); index < desk_->state().markers.size()) {
         go_to_marker(&desk_->state().markers[index]);
+      }
+      break;
+    case UiAction::kTheme:
+      settings_.theme = settings_.theme == UiTheme::kDark ? UiTheme::kLight : UiTheme::kDark;
+      break;
+    case UiAction::kUiSmaller:
+    case UiAction::kUiLarger:
+      settings_.ui_percent = next_ui_percent(settings_.ui_percent, call.action == UiAction::kUiLarger ? 1 : -1);
+      tell(fmt::format("panels and text: {} %", settings_.ui_percent));
+      break;
+    case UiAction::kOpenRecent:
+      if (const auto index = static_cast<std::size_t>(call.argument); index < desk_->recent_rigs().size()) {
+        ask_to_open({desk_->recent_rigs()[index], ""});
       }
       break;
     case UiAction::kSidePanel:
@@ -301,19 +355,6 @@ void Preview::compare_from_here() {
   const std::optional<TimeNs> log_ns = player_ ? std::optional(controls_.transport.now_ns) : std::nullopt;
   desk_->comparison() = {keep_levels(desk_->compiled().universes, panel_levels(), log_ns), std::nullopt};
   (void)panels_.open_words("universes", *desk_);
-}
-
-void Preview::take_camera(std::size_t index) {
-  if (index >= edited_->scene()->rig.cameras.size()) return;
-  const fixtures::Camera& camera = edited_->scene()->rig.cameras[index];
-  desk_->jump_camera(OrbitCamera(camera), static_cast<float>(camera.exposure_ev));
-}
-
-void Preview::frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m) {
-  const PixelRect where = place();
-  OrbitCamera camera = desk_->state().camera;
-  camera.frame(low_m, high_m, static_cast<double>(where.width) / where.height);
-  desk_->jump_camera(camera);
 }
 
 void Preview::expose(double steps_ev) {

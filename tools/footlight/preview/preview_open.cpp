@@ -14,7 +14,6 @@
 #include "sim/core/no_signals.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/paths.h"
-#include "tools/footlight/pictures/knob_curves.h"
 #include "tools/footlight/pictures/start_view.h"
 #include "tools/footlight/preview/preview_window.h"
 
@@ -76,9 +75,6 @@ Status Preview::open_device() {
   for (const std::string& note : device_->notes()) fmt::print(stderr, "footlight: {}\n", note);
   FL_ASSIGN(picture_, StagePicture::make(*device_));
   FL_ASSIGN(counts_, render::vk::Buffer::host_visible(*device_, sizeof(render::CountsRow), 0));
-  if (options_.flashes != FlashMode::kOff) {
-    FL_ASSIGN(flashes_, PreviewFlashes::make(*device_, options_.flashes == FlashMode::kLimit));
-  }
   return {};
 }
 
@@ -91,12 +87,18 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   show_exposure();
   FL_TRY(panels_.open_words(options_.panels, *desk_));
   desk_->set_handles(options_.handles);
+  desk_->set_flashes(options_.flashes);
+  note_recent();
+  picture_haze_per_m_ = framed_->rig.haze.scattering_per_m;
+  haze_is_rig_ = picture_haze_per_m_ == desk_->edited().haze.scattering_per_m;
   if (!options_.select.empty()) {
     desk_->select_named(options_.select);
     if (desk_->state().selection.fixtures.empty()) {
       return fail(ErrorCode::kNotFound, "--select {}: no fixture of this rig has such a name", options_.select);
     }
   }
+  if (options_.quality.error > 0) controls_.error_percent = static_cast<float>(100 * options_.quality.error);
+  if (options_.quality.ms > 0) controls_.picture_ms = static_cast<float>(options_.quality.ms);
   knobs_.nodes = static_cast<std::uint32_t>(options_.nodes);
   knobs_.tile_error = options_.tile_error;
   knobs_.body_error_px = options_.body_error_px;
@@ -121,7 +123,7 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   }
   facts_.rig = framed_->rig.name;
   facts_.device = device_->name();
-  for (const auto& one : framed_->rig.cameras) facts_.cameras.push_back(one.name);
+  show_cameras();
   for (const auto& fixture : framed_->rig.fixtures) facts_.fixtures.push_back(fixture.name);
   facts_.can_haze = framed_->compiled.needs.haze;
   return {};
@@ -150,7 +152,9 @@ Result<bool> Preview::open(const StopSignal& signal) {
     FL_TRY(reading.get());
     FL_TRY(take_rig());
   }
+  FL_TRY(open_settings());
   FL_ASSIGN(window_, Window::open("Footlight", size.width, size.height));
+  show_look();
   FL_TRY(open_window_device());
   FL_TRY(show_progress(quick ? "Preparing the picture" : "Reading the rig"));
   FL_TRY(open_device());
@@ -235,24 +239,11 @@ Status Preview::open_levels(bool again) {
   return {};
 }
 
-// The curves of this machine, which take seconds to measure the first time, and the knobs that follow from them.
+// The knobs for --error or --ms.
 Status Preview::make_ladder() {
-  const render::QualityRequest& request = options_.quality;
-  if (!(request.error > 0) && !(request.ms > 0)) return {};
-  KnobCurveOptions curve_options = suited_curve_options(*device_);
-  curve_options.go_on = [this](double, double) { return !closed_; };
-  FL_ASSIGN(const render::KnobCurves curves, machine_knob_curves(*device_, cache_folder(), curve_options, [this] {
-              if (!options_.json) fmt::print(stderr, "footlight: measuring the knobs of {}\n", device_->name());
-            }));
-  ladder_ = render::ladder_of(curves, framed_->compiled.needs, request);
-  if (ladder_.empty()) return {};
-  // For a time, the first picture has the knobs nearest the default ones; how long it takes is then known.
-  const auto usual = render::predicted(curves, framed_->compiled.needs, {});
-  const std::size_t start = request.error > 0 ? render::choose(ladder_, request)
-                            : usual           ? render::nearest(ladder_, usual->ms)
-                                              : 0;
-  if (request.ms > 0) keeper_.emplace(ladder_, request.ms, start);
-  follow_knobs(ladder_[start]);
+  if (!(facts_.quality.error > 0) && !(facts_.quality.ms > 0)) return {};
+  FL_ASSIGN(curves_, read_curves());
+  take_curves(*curves_);
   return {};
 }
 

@@ -1,6 +1,7 @@
 #include "tools/footlight/preview/preview_panel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -13,6 +14,8 @@
 
 namespace footlight::tools {
 namespace {
+
+constexpr std::size_t kCamerasShown = 20;  // the palette has all of them
 
 std::string flash_words(const PreviewFacts& facts) {
   return facts.flashes_held ? "Harmful flashes are held back" : "Harmful flashes: more than 3 a second";
@@ -46,8 +49,8 @@ void pass_bar(const render::PassTime& pass, double longest_ms) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float top = at.y + line * 0.32f;
   const float bottom = at.y + line * 0.76f;
-  draw->AddRectFilled({left, top}, {right, bottom}, IM_COL32(32, 34, 40, 255), 2);
-  draw->AddRectFilled({left, top}, {std::max(end, left + 2), bottom}, IM_COL32(226, 158, 66, 255), 2);
+  draw->AddRectFilled({left, top}, {right, bottom}, ImGui::GetColorU32(ui_colours.even), 2);
+  draw->AddRectFilled({left, top}, {std::max(end, left + 2), bottom}, ImGui::GetColorU32(ui_colours.hot), 2);
   row(pass.name.c_str(), ms_text(pass.gpu_ms));
 }
 
@@ -79,6 +82,28 @@ std::string share_text(double share) {
   return fmt::format("{:.{}f} %", percent, percent < 0.01 ? 4 : percent < 0.1 ? 3 : percent < 10 ? 2 : 0);
 }
 
+// What the knobs are chosen for. A new choice may compile shaders, so it is made at the release of the slider.
+void draw_request(const PreviewFacts& facts, PreviewControls& controls) {
+  constexpr const char* kKinds[] = {"by hand", "for an error", "for a time"};
+  int kind = facts.quality.error > 0 ? 1 : facts.quality.ms > 0 ? 2 : 0;
+  const auto ask = [&] {
+    controls.quality = kind == 1   ? render::QualityRequest{.error = static_cast<double>(controls.error_percent) / 100}
+                       : kind == 2 ? render::QualityRequest{.ms = static_cast<double>(controls.picture_ms)}
+                                   : render::QualityRequest{};
+  };
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::Combo("##quality", &kind, kKinds, 3)) ask();
+  if (kind == 0) return;
+  constexpr ImGuiSliderFlags kFlags = ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp;
+  ImGui::SetNextItemWidth(-1);
+  if (kind == 1) {
+    ImGui::SliderFloat("##error", &controls.error_percent, 0.001f, 10, "error %.3f %%", kFlags);
+  } else {
+    ImGui::SliderFloat("##ms", &controls.picture_ms, 0.5f, 1000, "%.1f ms a picture", kFlags);
+  }
+  if (ImGui::IsItemDeactivatedAfterEdit()) ask();
+}
+
 void draw_quality(const PreviewFacts& facts, PreviewControls& controls) {
   heading("Error");
   // Of the light, at a sample of the pixels of the last pictures.
@@ -89,6 +114,8 @@ void draw_quality(const PreviewFacts& facts, PreviewControls& controls) {
   } else {
     ui_text(kUiDim, "nothing to measure");
   }
+  draw_request(facts, controls);
+  if (facts.measures_knobs) return ui_text(kUiAmber, "measuring this machine ...");
   if (facts.chosen) {
     const bool by_error = facts.quality.error > 0;
     row("asked for", by_error ? share_text(facts.quality.error) : ms_text(facts.quality.ms));
@@ -107,16 +134,61 @@ void draw_quality(const PreviewFacts& facts, PreviewControls& controls) {
   if (ImGui::Combo("##divisor", &choice, divisors, 3)) controls.divisor = 1 << choice;
 }
 
+// The menu of a camera, after its button.
+void draw_camera_menu(const PreviewFacts& facts, PreviewControls& controls, std::size_t index) {
+  if (!ImGui::BeginPopupContextItem()) return;
+  using What = CameraRequest::What;
+  std::string& name = controls.camera_name;
+  if (ImGui::IsWindowAppearing()) name = facts.cameras[index];
+  std::array<char, 257> text{};
+  name.copy(text.data(), text.size() - 1);
+  ImGui::BeginDisabled(!facts.can_edit);
+  const bool entered = ImGui::InputText("name", text.data(), text.size(), ImGuiInputTextFlags_EnterReturnsTrue);
+  name = text.data();
+  if (entered) controls.camera_request = {What::kRename, index, name};
+  if (ImGui::Selectable("store this view here")) controls.camera_request = {What::kStore, index, {}};
+  if (ImGui::Selectable("delete this camera")) controls.camera_request = {What::kDelete, index, {}};
+  ImGui::EndDisabled();
+  if (entered) ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
+// The slider's lower end is thinner than what is seen in any rig.
+void draw_haze(const PreviewFacts& facts, PreviewControls& controls) {
+  if (!facts.can_haze) return;
+  ImGui::Checkbox("haze", &controls.haze);
+  if (!controls.haze) return;
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1);
+  auto haze = static_cast<float>(facts.room_haze_per_m);
+  if (ImGui::SliderFloat("##haze per m", &haze, 0.0005f, 1, "%.4f /m",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) {
+    controls.haze_per_m = static_cast<double>(haze);
+  }
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("Light that the room's haze scatters, per metre. Ctrl and a click: type.");
+}
+
+void draw_flashes(const PreviewFacts& facts, PreviewControls& controls) {
+  ImGui::SetNextItemWidth(-1);
+  if (!ImGui::BeginCombo("##flashes", fmt::format("harmful flashes: {}", word_of(facts.flashes)).c_str())) return;
+  for (const FlashMode mode : kFlashModes) {
+    if (ImGui::Selectable(words_of(mode), mode == facts.flashes)) controls.flashes = mode;
+  }
+  ImGui::EndCombo();
+}
+
 void draw_view(const PreviewFacts& facts, PreviewControls& controls) {
   heading("Camera");
-  for (std::size_t i = 0; i < facts.cameras.size() && i < 9; ++i) {
-    const std::string label = fmt::format("{} {}", i + 1, facts.cameras[i]);
-    const float width = ImGui::CalcTextSize(label.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
+  for (std::size_t i = 0; i < facts.cameras.size() && i < kCamerasShown; ++i) {
+    const std::string label = fmt::format("{} {}###camera{}", i + 1, facts.cameras[i], i);
+    const float width = ImGui::CalcTextSize(label.c_str(), nullptr, true).x + 2 * ImGui::GetStyle().FramePadding.x;
     if (i > 0) {
       ImGui::SameLine();
       if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
     }
     if (ImGui::Button(label.c_str())) controls.camera = static_cast<int>(i);
+    draw_camera_menu(facts, controls, i);
   }
   ImGui::Checkbox("auto exposure", &controls.auto_exposure);
   if (!controls.auto_exposure) {
@@ -140,7 +212,8 @@ void draw_view(const PreviewFacts& facts, PreviewControls& controls) {
   ImGui::SetNextItemWidth(-1);
   ImGui::SliderFloat("##glare", &controls.glare_percent, 0, 20, "glare %.1f %%",
                      ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
-  if (facts.can_haze) ImGui::Checkbox("haze", &controls.haze);
+  draw_haze(facts, controls);
+  draw_flashes(facts, controls);
   if (facts.machines > 0) {
     row("haze of the room", fmt::format("{:.4f} /m", facts.room_haze_per_m));
     row("+ machines' haze", fmt::format("{:.4f} /m", facts.machine_haze_per_m));
@@ -354,7 +427,7 @@ void draw_progress(const std::string& text) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const ImVec2 needed = ImGui::CalcTextSize(text.c_str());
   const ImVec2 at((size.x - needed.x) / 2, (size.y - needed.y) / 2);
-  ImGui::GetForegroundDrawList()->AddText(at, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
+  ImGui::GetForegroundDrawList()->AddText(at, ImGui::GetColorU32(kStageColours.text), text.c_str());
 }
 
 }  // namespace footlight::tools

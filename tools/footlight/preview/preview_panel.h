@@ -10,6 +10,7 @@
 #include "render/frame.h"
 #include "render/live_error.h"
 #include "render/quality.h"
+#include "tools/footlight/pictures/flash_mode.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/live_levels.h"
 #include "tools/footlight/preview/ui/transport.h"
@@ -21,6 +22,7 @@ struct PreviewFacts {
   std::string rig;
   std::string device;
   std::vector<std::string> cameras;
+  bool can_edit = false;  // cameras can be stored
   std::vector<std::string> fixtures;
   bool can_haze = false;       // the rig has haze to turn off
   std::size_t machines = 0;    // haze, fog and fan machines; if there are any, the current haze, 1/m:
@@ -44,6 +46,8 @@ struct PreviewFacts {
   render::ErrorWindow::Estimate error;      // of the pictures of the last second
   render::QualityRequest quality;           // that knobs are chosen for; nothing: the user chooses
   std::optional<render::KnobPoint> chosen;  // for it
+  bool measures_knobs = false;              // of this machine, for quality
+  FlashMode flashes = FlashMode::kWarn;
   bool flashes_harmful = false;             // now
   bool flashes_held = false;                // the last harmless picture is held
 
@@ -51,6 +55,14 @@ struct PreviewFacts {
   TimeNs now_ns = 0;   // on the clock of the live stamps
   PumpStatus status;   // live
   std::string notice;  // the newest event of the inputs
+};
+
+// What the user asks for about a camera of the rig.
+struct CameraRequest {
+  enum class What { kStore, kRename, kDelete };
+  What what = What::kStore;
+  std::size_t index = 0;
+  std::string name;  // of kRename
 };
 
 enum class PanelState { kFull, kStrip, kHidden };
@@ -74,6 +86,13 @@ struct PreviewControls {
 
   std::optional<float> drag_s;  // the position of the log's slider while it is dragged
   std::optional<int> camera;
+  std::optional<CameraRequest> camera_request;
+  std::optional<double> haze_per_m;               // scattering of the room's haze
+  std::optional<FlashMode> flashes;               // what harmful flashes do
+  std::optional<render::QualityRequest> quality;  // nothing in it: nodes and pixels by hand
+  float error_percent = 0.1f;                     // what the slider has that asks for an error
+  float picture_ms = 16;                          // and for a time
+  std::string camera_name;                        // in the field of the camera whose menu is open
 };
 
 inline constexpr float kPanelWidth = 264;  // units of ImGui at scale 1

@@ -11,6 +11,7 @@ namespace footlight::tools {
 namespace {
 
 constexpr DurationNs kIndexNs = 2 * kNsPerMs;  // for the index of a log, each picture
+constexpr std::size_t kStripMomentsMax = 4;    // each picture
 constexpr DurationNs kIndexPausedNs = 10 * kNsPerMs;
 constexpr DurationNs kMeanwhileNs = 22 * kNsPerMs;  // from step to step while a picture is in flight: 45 a second
 constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;   // live pictures are that late: looks may be on their way
@@ -46,8 +47,13 @@ Status Preview::work_at_index() {
   FL_TRY(player_->work_at_index(controls_.transport.playing ? kIndexNs : kIndexPausedNs, driven()));
   if (std::string news = player_->take_news(); !news.empty()) tell(std::move(news), true);
   if (player_->index() == nullptr || !panels_.any_open()) return {};
-  if (!curve_) curve_.emplace(framed_->rig, RigIndex(framed_->rig, framed_->compiled));
+  if (!curve_) {
+    curve_.emplace(framed_->rig, RigIndex(framed_->rig, framed_->compiled));
+    strips_.reset();
+  }
   extend(*curve_, *player_->index());
+  if (!strips_) strips_ = std::make_unique<Strips>(framed_);
+  extend(strips_->strips, *player_->index(), kStripMomentsMax);
   return {};
 }
 

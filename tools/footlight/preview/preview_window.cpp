@@ -92,8 +92,10 @@ Status Preview::pace() {
 Status Preview::turn() {
   FL_TRY(pace());
   window_->poll();
+  follow_settings();
   const TimeNs now_ns = clock_.now_ns();
-  turn_times_.add(static_cast<double>(now_ns - last_ns_) * 1e-6);
+  const DurationNs dt_ns = now_ns - last_ns_;
+  turn_times_.add(static_cast<double>(dt_ns) * 1e-6);
   last_ns_ = now_ns;
   times_out_ = options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9;
   FL_TRY(take_picture());
@@ -101,7 +103,7 @@ Status Preview::turn() {
     closing_ = true;
     window_->keep_shot();
   }
-  draw_ui();
+  draw_ui(dt_ns);
   if (std::exchange(shot_taken_, false)) write_own_shot();
   keep_edits();
   keep_markers();
@@ -126,11 +128,15 @@ Status Preview::turn() {
 
 // All that touches the frame between two pictures, and the beginning of the next one.
 Status Preview::turn_stage(const PixelRect& where) {
-  FL_ASSIGN(const bool still, follow_edits(where));
+  FL_ASSIGN(bool still, follow_quality());
+  if (!still) {  // one other thread at a time uses the device
+    FL_ASSIGN(still, follow_edits(where));
+  }
   if (still) {
     stepped_ns_ = last_ns_;
     return {};
   }
+  FL_TRY(follow_flashes());
   if (!fits_controls(where)) FL_TRY(rebuild(where));
   FL_TRY(update_error());
   follow_inputs();
@@ -171,6 +177,7 @@ Status Preview::draw() {
   drawn_camera_ = desk_->state().camera;
   if (picture_since_ns_ < 0) picture_since_ns_ = drawn_ns_;
   return picture_->begin(screen, settings.width, settings.height, [&](VkCommandBuffer commands) {
+    frame_->set_haze_per_m(haze_per_m());
     frame_->set_work_light_lx(controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0);
     frame_->record(commands, render::view_of(drawn_camera_->camera()), controls_.exposure_ev);
     error_drawn_ = error_ != nullptr;
@@ -237,7 +244,7 @@ Status Preview::read_picture() {
 void Preview::read_second() {
   if (last_ns_ - facts_.now_ns < kFactsNs) return;  // ages that change more often cannot be read, and cost a redraw
   facts_.now_ns = last_ns_;
-  facts_.room_haze_per_m = framed_->rig.haze.scattering_per_m;
+  facts_.room_haze_per_m = haze_per_m();
   if (const fixtures::MachineAir* air = frame_->machine_air(); air != nullptr) {
     facts_.machines = air->count();
     facts_.machine_haze_per_m = air->haze_per_m();
@@ -365,9 +372,11 @@ Status Preview::replace_stage() {
   messages_before_ += device_->validation_messages().size();
   drop_frame();
   picture_.reset();
+  drop_curves();
   error_.reset();
   frame_.reset();
   flashes_.reset();
+  facts_.flashes_held = false;
   counts_ = {};
   device_.reset();
   FL_TRY(open_device());
@@ -385,6 +394,52 @@ Status Preview::replace_stage() {
   return player_ ? player_->seek(at_ns, driven()) : Status{};
 }
 
-Result<int> run_preview(const PreviewOptions& options) { return Preview(options).run(); }
+namespace {
+
+// The options of a window that opens another rig or log.
+PreviewOptions options_for(const PreviewOptions& before, const Preview::Next& next) {
+  PreviewOptions options = before;
+  options.recover = false;
+  options.at_ns = 0;
+  options.news.clear();
+  if (!next.rig.empty()) {
+    options.files.rig = next.rig;
+    options.files.demo = false;
+    options.files.log.clear();
+    options.camera.clear();
+    options.select.clear();
+  } else {
+    options.files.log = next.log;
+    options.ins.clear();
+  }
+  return options;
+}
+
+}  // namespace
+
+Result<int> run_preview(const PreviewOptions& options) {
+  PreviewOptions now = options;
+  std::optional<PreviewOptions> before;  // of the window before, if this one was opened from it
+  while (true) {
+    std::optional<Preview::Next> next;
+    bool opened = false;
+    const auto show = [&] {
+      Preview preview(now);
+      const Result<int> shown = preview.run();
+      next = preview.next();
+      opened = preview.opened();
+      return shown;
+    };
+    const Result<int> result = show();
+    if (!result && before && !opened) {  // back to the rig from before
+      now = *std::exchange(before, std::nullopt);
+      now.news = result.error().message;
+      continue;
+    }
+    if (!result || !next) return result;
+    before = now;
+    now = options_for(now, *next);
+  }
+}
 
 }  // namespace footlight::tools

@@ -44,6 +44,7 @@
 #include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/questions.h"
+#include "tools/footlight/preview/ui/stage_box.h"
 #include "tools/footlight/preview/ui/stage_handles.h"
 #include "tools/footlight/preview/ui/stage_pick.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
@@ -54,6 +55,15 @@ namespace footlight::tools {
 
 class Preview {
  public:
+  // The rig or log that the user opened instead; the window has closed for it.
+  struct Next {
+    std::string rig;  // empty: the same one
+    std::string log;  // empty: none
+  };
+  [[nodiscard]] const std::optional<Next>& next() const { return next_; }
+  // A picture was shown.
+  [[nodiscard]] bool opened() const { return picture_ns_ >= 0; }
+
   // The options outlive this.
   explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_), ins_(options.ins) {}
 
@@ -72,6 +82,8 @@ class Preview {
   Status open_device();
   Status set_controls(const fixtures::Camera& camera);
   Status make_ladder();
+  Result<render::KnobCurves> read_curves();
+  void take_curves(const render::KnobCurves& curves);
   Result<bool> wait_for(std::future<Status>& work, const StopSignal& signal, const char* what);
   Status show_progress(const char* what);
 
@@ -88,6 +100,13 @@ class Preview {
   Status draw();
   Status read_picture();
   void read_second();
+  // What the user changes of the picture: preview_picture.cpp.
+  void take_picture_requests();
+  [[nodiscard]] double haze_per_m() const;
+  Status follow_flashes();
+  void ask_for_quality(const render::QualityRequest& request);
+  Result<bool> follow_quality();
+  void drop_curves();
   void tell_flashes(bool begins);
   Status start_again(const Error& loss);
   Status replace_stage();
@@ -145,15 +164,22 @@ class Preview {
   [[nodiscard]] bool unsaved() const { return desk_ && desk_->state().revision != saved_revision_; }
 
   // What lies over the picture, mouse and keys: preview_input.cpp.
-  void draw_ui();
-  void take_input(bool typing);
+  void draw_ui(DurationNs dt_ns);
+  void take_input(bool typing, DurationNs dt_ns);
   void take_mouse();
   bool take_handles();
+  bool take_box(bool handle);
+  void cancel_drags();
   void show_handles(bool on);
   void compare_from_here();
   void draw_measures();
   void call(const UiCall& call);
   void take_camera(std::size_t index);
+  void show_cameras();
+  void edit_cameras(const CameraRequest& request);
+  void store_new_camera();
+  void view_from_side(ViewSide side);
+  void fly(bool typing, DurationNs dt_ns);
   void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);
   void expose(double steps_ev);
   void show_exposure();
@@ -162,6 +188,18 @@ class Preview {
   [[nodiscard]] PixelRect place() const;
   [[nodiscard]] StagePlace stage() const;
   [[nodiscard]] const StagePick& pick();
+
+  // What the window remembers: preview_settings.cpp.
+  Status open_settings();
+  void follow_settings();
+  void show_look();
+  void note_recent();
+
+  // Files that are dropped on the window, and rigs that are opened again: preview_files.cpp.
+  void take_drops();
+  void add_definition(const std::string& path);
+  void ask_to_open(Next next);
+  void draw_open_question();
 
   // Figures and pictures for files and standard output: preview_figures.cpp.
   void print_second();
@@ -199,6 +237,12 @@ class Preview {
   std::string markers_path_;         // empty: they are not saved
   Markers saved_markers_;            // as the file has them
   std::optional<LightCurve> curve_;  // of the log, from the moments of its index
+  struct Strips {
+    explicit Strips(SharedScene of) : scene(std::move(of)), strips(scene->rig, scene->compiled) {}
+    SharedScene scene;
+    LightStrips strips;
+  };
+  std::unique_ptr<Strips> strips_;  // the same, once a panel is open
 
   std::unique_ptr<render::vk::Device> window_device_;  // outlives the window's swapchain
   std::unique_ptr<Window> window_;
@@ -215,6 +259,11 @@ class Preview {
   bool error_drawn_ = false;                  // the current picture has its samples
   std::vector<render::KnobPoint> ladder_;     // for --error and --ms; else empty
   std::optional<render::TimeKeeper> keeper_;  // for --ms
+  std::optional<render::KnobCurves> curves_;  // of this machine, once they were needed
+  std::future<Result<render::KnobCurves>> reading_curves_;  // valid: they are measured or read
+  std::atomic<bool> stops_curves_ = false;
+  bool haze_is_rig_ = true;                   // the slider edits the rig; else, with --haze, only the picture
+  double picture_haze_per_m_ = 0;             // then
   std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
   std::unique_ptr<StagePicture> picture_;     // destroyed before what its commands use
 
@@ -235,11 +284,20 @@ class Preview {
   bool discards_ = false;
   bool times_out_ = false;  // --seconds have passed
 
+  std::optional<Next> asked_next_;  // while the question is open
+  std::optional<Next> next_;
+  OpenQuestion open_question_;
+  std::string settings_path_;  // empty: they are not saved
+  WindowSettings settings_;
+  WindowSettings saved_settings_;  // as the file has them
+  WindowSettings shown_settings_;  // as the window looks
+
   std::unique_ptr<UiDesk> desk_;  // once the rig is read
   UiPanels panels_;
   Palette palette_;
   std::unique_ptr<StagePick> pick_;  // made by the first selection
   StageHandles handles_;
+  StageBox box_;
   std::vector<std::uint8_t> overlaid_;  // levels with what was taken over
   std::vector<std::uint8_t> panel_levels_;
   std::array<bool, 3> pressed_on_stage_{};  // buttons of the mouse

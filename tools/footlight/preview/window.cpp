@@ -288,23 +288,38 @@ Status Window::create_swapchain() {
   return {};
 }
 
+void Window::on_drop(GLFWwindow* window, int count, const char** paths) {
+  auto& drops = static_cast<Window*>(glfwGetWindowUserPointer(window))->drops_;
+  drops.insert(drops.end(), paths, paths + count);
+}
+
+void Window::set_ui_look(float user_scale, UiTheme theme) {
+  user_scale_ = user_scale;
+  theme_ = theme;
+  if (ImGui::GetCurrentContext() == nullptr) return;  // start_ui() does it
+  set_ui_style(ui_scale(), theme_);
+  ImGui::GetIO().FontGlobalScale = ui_scale() / font_scale_;
+}
+
 Status Window::start_ui() {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;                     // writes no file into the current folder
   io.ConfigWindowsMoveFromTitleBarOnly = true;  // else a drag beside a field moves the panel
-  set_ui_style(ui_scale_);
-  if (access(kFontPath, R_OK) != 0 || io.Fonts->AddFontFromFileTTF(kFontPath, kFontPx * ui_scale_) == nullptr) {
+  font_scale_ = ui_scale();
+  if (access(kFontPath, R_OK) != 0 || io.Fonts->AddFontFromFileTTF(kFontPath, kFontPx * font_scale_) == nullptr) {
     io.Fonts->AddFontDefault();
-    io.FontGlobalScale = ui_scale_;
+    font_scale_ = 1;
   }
+  set_ui_look(user_scale_, theme_);
   // ImGui calls the callbacks that are set already.
   glfwSetKeyCallback(window_, &Window::on_key);
   glfwSetCharCallback(window_, &Window::on_character);
   glfwSetCursorPosCallback(window_, &Window::on_cursor);
   glfwSetMouseButtonCallback(window_, &Window::on_button);
   glfwSetWindowRefreshCallback(window_, &Window::on_refresh);
+  glfwSetDropCallback(window_, &Window::on_drop);
   double x = 0;
   double y = 0;
   glfwGetCursorPos(window_, &x, &y);  // it may be pressed before it moves

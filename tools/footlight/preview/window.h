@@ -20,6 +20,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/image.h"
@@ -29,6 +30,7 @@
 #include "tools/footlight/preview/mouse_queue.h"
 #include "tools/footlight/preview/uploaded_image.h"
 #include "tools/footlight/preview/window_ui.h"
+#include "tools/footlight/preview/window_settings.h"
 
 struct GLFWwindow;
 
@@ -71,6 +73,8 @@ class Window {
   // The keys that went down during the last poll(), or repeated while held, in order. ImGui's own list misses a key
   // that goes down and up within one slow frame.
   [[nodiscard]] const std::vector<KeyPress>& keys() const { return keys_.presses(); }
+  // Paths of files that were dropped on the window since the last call, in order.
+  [[nodiscard]] std::vector<std::string> take_drops() { return std::exchange(drops_, {}); }
   // As of the last poll(): true if the window is not visible.
   [[nodiscard]] bool minimised() const { return minimised_; }
   // Pixels.
@@ -78,7 +82,10 @@ class Window {
   [[nodiscard]] int height() const { return height_; }
   // Pixels per unit of ImGui, and the scale of the user interface for this screen.
   [[nodiscard]] float pixels_per_unit() const { return pixels_per_unit_; }
-  [[nodiscard]] float ui_scale() const { return ui_scale_; }
+  [[nodiscard]] float ui_scale() const { return ui_scale_ * user_scale_; }
+  // How large the user interface is beside what suits the screen, and its theme. Between two pictures. Text is scaled
+  // from the size that it had at attach().
+  void set_ui_look(float user_scale, UiTheme theme);
   // Pictures a second of the fastest screen; 60 if that is unknown.
   [[nodiscard]] static double refresh_hz();
 
@@ -118,6 +125,7 @@ class Window {
   static void on_size(GLFWwindow* window, int width, int height);
   static void on_iconify(GLFWwindow* window, int iconified);
   void read_sizes();
+  static void on_drop(GLFWwindow* window, int count, const char** paths);
   [[nodiscard]] PixelRect rect() const;
   void record_shot(VkCommandBuffer commands, VkImage image);
 
@@ -138,9 +146,13 @@ class Window {
   KeyPresses keys_;
   bool keeps_keys_ = false;  // those since the last poll()
   KeyTaps taps_;
+  std::vector<std::string> drops_;
   MouseQueue mouse_;
   PixelRect before_full_;  // where the window was before it became full screen
-  float ui_scale_ = 1;
+  float ui_scale_ = 1;     // of the screen
+  float user_scale_ = 1;   // beside that
+  float font_scale_ = 1;   // ui_scale() when the font was made
+  UiTheme theme_ = UiTheme::kDark;
   bool ui_started_ = false;
 
   render::vk::Device* device_ = nullptr;

@@ -7,6 +7,7 @@
 namespace footlight::tools {
 
 std::string label_of(const KeyRow& row, const UiDesk& desk) {
+  if (row.call.action == UiAction::kFlashes) return fmt::format("{} (now {})", row.does, word_of(desk.flashes()));
   const UiCommand* command = row.call.action == UiAction::kUndo   ? desk.history().next_undo()
                              : row.call.action == UiAction::kRedo ? desk.history().next_redo()
                                                                   : nullptr;
@@ -20,6 +21,7 @@ bool is_possible(const KeyRow& row, const UiDesk& desk, bool has_log, const Outp
     case UiAction::kUndo: return desk.history().next_undo() != nullptr;
     case UiAction::kRedo: return desk.history().next_redo() != nullptr;
     case UiAction::kSave: return desk.can_edit();
+    case UiAction::kStoreCamera: return desk.can_edit();
     case UiAction::kDelete: return desk.can_edit() && !desk.selected().empty();
     case UiAction::kNudge: return desk.can_edit() && !desk.selected().empty();
     case UiAction::kCompare: return !desk.compiled().universes.empty();
@@ -41,9 +43,9 @@ std::vector<UiActionItem> action_items(const UiDesk& desk, bool has_log, const O
       items.push_back({row.call, label_of(row, desk), row.keys, is_possible(row, desk, has_log, outputs)});
       continue;
     }
-    for (int i = 0; i < static_cast<int>(desk.rig().cameras.size()); ++i) {
+    for (int i = 0; i < static_cast<int>(desk.cameras().size()); ++i) {
       items.push_back({{UiAction::kCamera, i},
-                       "camera " + desk.rig().cameras[static_cast<std::size_t>(i)].name,
+                       "camera " + desk.cameras()[static_cast<std::size_t>(i)].name,
                        i < kDigits ? std::to_string(i + 1) : std::string()});
     }
   }
@@ -52,6 +54,9 @@ std::vector<UiActionItem> action_items(const UiDesk& desk, bool has_log, const O
     items.push_back({{UiAction::kPanel, static_cast<int>(i)},
                      fmt::format("panel {}: {}", panel.title, panel.shows),
                      panel.key_text});
+  }
+  for (std::size_t i = 0; i < desk.recent_rigs().size(); ++i) {
+    items.push_back({{UiAction::kOpenRecent, static_cast<int>(i)}, "open " + desk.recent_rigs()[i], {}});
   }
   for (std::size_t i = 0; has_log && i < desk.state().markers.size(); ++i) {
     const Marker& marker = desk.state().markers[i];

@@ -11,6 +11,7 @@
 
 #include "sim/core/counted.h"
 #include "sim/pattern.h"
+#include "tools/footlight/duration.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/status/status_text.h"
@@ -23,8 +24,6 @@ constexpr const char* kDeviceDrag = "interface";  // its endpoint without a univ
 constexpr const char* kOutputDrag = "output";     // its row
 constexpr std::size_t kChipsMax = 128;
 constexpr const char* kModel = "mock:enttec-pro";  // of an interface, inside the program
-
-const ImVec4 kUiText{0.86f, 0.87f, 0.89f, 1};
 
 std::string age_text(DurationNs age_ns) {
   const double age_s = static_cast<double>(std::max<DurationNs>(age_ns, 0)) * 1e-9;
@@ -66,6 +65,24 @@ void wrapped(const ImVec4& colour, const std::string& words) {
   ImGui::PopTextWrapPos();
 }
 
+// "176 us": the break that a port measures, or that its widget makes; empty: it is not known.
+std::string break_text(const PortStatus& port) {
+  for (const PortFigure& figure : port.figures) {
+    if (figure.name == "break_us_p50" || figure.name == "break_us") return fmt::format("{:.0f} us", figure.value);
+  }
+  return {};
+}
+
+// Which columns a table has, by what its ports know.
+struct LineColumns {
+  bool breaks = false;
+  bool latency = false;
+  void add(const PortStatus& port) {
+    breaks = breaks || !break_text(port).empty();
+    latency = latency || port.latency.count > 0;
+  }
+};
+
 class DevicesPanel final : public Panel {
  public:
   void draw(UiDesk&, const UiInput& input) override {
@@ -97,15 +114,18 @@ class DevicesPanel final : public Panel {
     draw_question(input);
   }
 
-  // Six columns: endpoint, state, universes, frames, rate, the last one.
-  static bool begin_table(const char* id, const char* last, float last_width) {
-    if (!ImGui::BeginTable(id, 6, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) return false;
+  // Endpoint, state, universes, frames, rate, what some port knows of its line, the last one.
+  static bool begin_table(const char* id, const char* last, float last_width, const LineColumns& line) {
+    const int columns = 6 + (line.breaks ? 1 : 0) + (line.latency ? 1 : 0);
+    if (!ImGui::BeginTable(id, columns, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) return false;
     const float unit = ImGui::GetFontSize();
     ImGui::TableSetupColumn("endpoint", ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableSetupColumn("state", ImGuiTableColumnFlags_WidthFixed, unit * 5);
     ImGui::TableSetupColumn("universes", ImGuiTableColumnFlags_WidthFixed, unit * 6);
     ImGui::TableSetupColumn("frames", ImGuiTableColumnFlags_WidthFixed, unit * 5);
     ImGui::TableSetupColumn("rate", ImGuiTableColumnFlags_WidthFixed, unit * 4.5f);
+    if (line.breaks) ImGui::TableSetupColumn("break", ImGuiTableColumnFlags_WidthFixed, unit * 4);
+    if (line.latency) ImGui::TableSetupColumn("latency", ImGuiTableColumnFlags_WidthFixed, unit * 4.5f);
     ImGui::TableSetupColumn(last, ImGuiTableColumnFlags_WidthFixed, unit * last_width);
     ImGui::TableHeadersRow();
     return true;
@@ -119,17 +139,37 @@ class DevicesPanel final : public Panel {
     cell(kUiText, fmt::format("{:.1f} /s", port.rate_hz));
   }
 
+  // Empty cells where the port knows nothing; none without its column.
+  static void line_cells(const PortStatus* port, const LineColumns& line) {
+    const auto value_cell = [](const std::string& words, const std::string& tip) {
+      cell(words.empty() ? kUiDim : kUiText, words.empty() ? "-" : words);
+      if (!tip.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip.c_str());
+    };
+    if (line.breaks) value_cell(port != nullptr ? break_text(*port) : "", "the break before a frame, median");
+    if (!line.latency) return;
+    const bool known = port != nullptr && port->latency.count > 0;
+    value_cell(known ? show_duration(port->latency.p50_ns) : "",
+               known ? fmt::format("from the levels to the end of the call that sends them: median {}, 99 % below {}, "
+                                   "longest {}",
+                                   show_duration(port->latency.p50_ns), show_duration(port->latency.p99_ns),
+                                   show_duration(port->latency.max_ns))
+                     : "");
+  }
+
   static void draw_inputs(const UiInput& input) {
     if (input.status == nullptr) {
       wrapped(kUiDim, input.transport != nullptr ? "None: a log drives the rig." : "None: faders drive the rig.");
       return;
     }
-    std::string troubles;
-    if (begin_table("inputs", "newest", 6)) {
+    LineColumns line;
+    for (const PortStatus& port : input.status->ports) {
+      if (!port.is_sink) line.add(port);
+    }
+    if (begin_table("inputs", "newest", 6, line)) {
       for (const PortStatus& port : input.status->ports) {
         if (port.is_sink) continue;
         ImGui::TableNextRow();
-        draw_input(port, input);
+        draw_input(port, input, line);
       }
       ImGui::EndTable();
     }
@@ -181,7 +221,7 @@ class DevicesPanel final : public Panel {
     return asked;
   }
 
-  static void draw_input(const PortStatus& port, const UiInput& input) {
+  static void draw_input(const PortStatus& port, const UiInput& input, const LineColumns& line) {
     cell(kUiText, port.name);
     cell(colour_of(port.state), name_of(port.state));
     std::vector<Universe> universes;
@@ -195,6 +235,7 @@ class DevicesPanel final : public Panel {
     }
     cell(kUiText, show_universes(universes));
     rate_cells(port);
+    line_cells(&port, line);
     cell(newest_ns == 0 ? kUiDim : kUiText, newest_ns == 0 ? "none yet" : age_text(input.status->stamp_ns - newest_ns));
   }
 
@@ -223,10 +264,11 @@ class DevicesPanel final : public Panel {
     ImGui::EndDisabled();
     ImGui::SameLine(0, 24 * scale);
     if (outputs.darkness == Darkness::kNone) {
+      ImGui::PushStyleColor(ImGuiCol_Text, kStageColours.text);
       ImGui::PushStyleColor(ImGuiCol_Button, {0.45f, 0.10f, 0.10f, 1});
       ImGui::PushStyleColor(ImGuiCol_ButtonHovered, {0.62f, 0.14f, 0.14f, 1});
       if (ImGui::Button("BLACKOUT")) outputs.blackout = true;
-      ImGui::PopStyleColor(2);
+      ImGui::PopStyleColor(3);
     } else if (ImGui::Button("end the blackout")) {
       outputs.blackout = false;
     }
@@ -237,11 +279,15 @@ class DevicesPanel final : public Panel {
   }
 
   void draw_outputs(OutputsView& outputs) {
-    if (begin_table("outputs", "##arm", 5)) {
+    LineColumns line;
+    for (const OutputRow& row : outputs.rows) {
+      if (row.status) line.add(*row.status);
+    }
+    if (begin_table("outputs", "##arm", 5, line)) {
       for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
         ImGui::TableNextRow();
         ImGui::PushID(static_cast<int>(i));
-        draw_output(outputs, i);
+        draw_output(outputs, i, line);
         ImGui::PopID();
       }
       ImGui::EndTable();
@@ -256,7 +302,7 @@ class DevicesPanel final : public Panel {
     }
   }
 
-  void draw_output(OutputsView& outputs, std::size_t index) {
+  void draw_output(OutputsView& outputs, std::size_t index, const LineColumns& line) {
     const OutputRow& row = outputs.rows[index];
     ImGui::TableNextColumn();
     const std::string words = row.made_up ? row.endpoint + " (made up)" : row.endpoint;
@@ -283,6 +329,7 @@ class DevicesPanel final : public Panel {
       cell(kUiDim, "-");
       cell(kUiDim, "-");
     }
+    line_cells(row.status ? &*row.status : nullptr, line);
     ImGui::TableNextColumn();
     if (row.state == ArmState::kOff) {
       if (ImGui::SmallButton("arm ...")) asks(index);

@@ -11,6 +11,8 @@ bool close_topmost(UiPanels& open, UiDesk& desk) {
     ImGui::ClosePopupToLevel(popups - 1, true);
   } else if (open.is_open(kKeysPanel)) {
     open.set_open(kKeysPanel, false, desk);
+  } else if (desk.fly().on()) {
+    desk.fly().set_on(false);
   } else if (desk.measure().on) {
     desk.measure() = {};
   } else if (!desk.state().selection.fixtures.empty()) {

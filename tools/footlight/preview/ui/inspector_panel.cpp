@@ -17,6 +17,8 @@
 #include "fixtures/paperwork/patch_sheet.h"
 #include "fixtures/simulate/encode.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
+#include "tools/footlight/preview/ui/draw_controls.h"
+#include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/trace/head_trace.h"
@@ -74,6 +76,7 @@ class InspectorPanel final : public Panel {
     draw_fixture(desk);
     if (desk.can_edit()) draw_place(desk);
     follow();
+    controls_.draw(desk, input, lead_, simulated_aim());
     draw_channels(desk, input);
     if (ImGui::CollapsingHeader("Simulated now", ImGuiTreeNodeFlags_DefaultOpen)) draw_heads(input);
   }
@@ -122,6 +125,9 @@ class InspectorPanel final : public Panel {
   static void draw_buttons(UiDesk& desk) {
     bool highlight = desk.highlights();
     if (ImGui::Checkbox("highlight (L)", &highlight)) desk.set_highlight(highlight);
+    ImGui::SameLine();
+    bool locate = desk.locates();
+    if (ImGui::Checkbox("locate (Shift+L)", &locate)) desk.set_locate(locate);
     ImGui::SameLine();
     const std::size_t taken = desk.state().taken.size();
     ImGui::BeginDisabled(taken == 0);
@@ -206,12 +212,13 @@ class InspectorPanel final : public Panel {
     const float room = ImGui::GetContentRegionAvail().y;
     const float wanted = line * static_cast<float>(channels.size() + 1) + 4;
     const float height = std::min(wanted, std::max(room - 6 * line, std::min(room, 7 * line)));
-    if (!ImGui::BeginTable("channels", 4, kFlags, {0, height})) return;
+    if (!ImGui::BeginTable("channels", 5, kFlags, {0, height})) return;
     ImGui::TableSetupScrollFreeze(0, 1);
     ImGui::TableSetupColumn("Channel", ImGuiTableColumnFlags_WidthStretch, 1.1f);
     ImGui::TableSetupColumn("Value", ImGuiTableColumnFlags_WidthStretch, 1.9f);
     ImGui::TableSetupColumn("Level", ImGuiTableColumnFlags_WidthStretch, 0.6f);
     ImGui::TableSetupColumn("Slot", ImGuiTableColumnFlags_WidthStretch, 0.6f);
+    ImGui::TableSetupColumn("From", ImGuiTableColumnFlags_WidthStretch, 0.7f);
     ImGui::TableHeadersRow();
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(channels.size()), line);
@@ -248,7 +255,33 @@ class InspectorPanel final : public Panel {
       ImGui::SameLine(0, 4);
     }
     ui_text(kUiDim, place ? fmt::format("{}.{}", place->universe, place->address) : "-");
+    ImGui::TableNextColumn();
+    draw_source(source_of_channel(desk, input, key));
     ImGui::PopID();
+  }
+
+  // Who sets the channel. With several senders of a universe it is one of those that are named.
+  static void draw_source(const LevelSource& source) {
+    const bool own = source.kind == SourceKind::kTaken || source.kind == SourceKind::kHighlight;
+    ui_text(own ? kUiGreen : source.silent || source.kind == SourceKind::kNobody ? kUiRed : kUiDim, source.brief);
+    if (!ImGui::IsItemHovered()) return;
+    const std::string age =
+        source.age_ns > 0 ? fmt::format("\nnewest frame {:.1f} s ago", static_cast<double>(source.age_ns) * 1e-9) : "";
+    ImGui::SetTooltip("%s%s", source.words.c_str(), age.c_str());
+  }
+
+  // Pan and tilt that the head has reached, degrees.
+  [[nodiscard]] std::optional<glm::dvec2> simulated_aim() const {
+    if (!trace_ || !stepped_) return std::nullopt;
+    std::optional<float> pan_deg;
+    std::optional<float> tilt_deg;
+    for (const auto& [column, value] : trace_->row(heads_[head_], 0)) {
+      if (!std::holds_alternative<float>(value)) continue;
+      if (std::string_view(column) == "pan_deg") pan_deg = std::get<float>(value);
+      if (std::string_view(column) == "tilt_deg") tilt_deg = std::get<float>(value);
+    }
+    if (!pan_deg || !tilt_deg) return std::nullopt;
+    return glm::dvec2(static_cast<double>(*pan_deg), static_cast<double>(*tilt_deg));
   }
 
   // A slider in real units over the function that the channel is in, else one over all its raw values, and a list of
@@ -395,6 +428,7 @@ class InspectorPanel final : public Panel {
   std::unique_ptr<HeadTrace> trace_;              // null: it has no head
   bool stepped_ = false;                          // trace_ was, so it has something to show
   std::optional<Drag> dragged_;                   // of the lead fixture
+  InspectorControls controls_;
 };
 
 }  // namespace

@@ -60,16 +60,31 @@ constexpr KeyRow kKeyRows[] = {
      "move the selected fixtures by 0.1 m to -Z, down",
      UiMenu::kEdit},
     {GLFW_KEY_L, 0, {A::kHighlight}, false, "L", "highlight what is selected", UiMenu::kEdit},
+    {GLFW_KEY_L,
+     GLFW_MOD_SHIFT,
+     {A::kLocate},
+     false,
+     "Shift+L",
+     "locate: lit white at the home position",
+     UiMenu::kEdit},
     {GLFW_KEY_R, 0, {A::kReleaseAll}, false, "R", "release all values that were taken over", UiMenu::kEdit},
     {GLFW_KEY_F, 0, {A::kFrame}, false, "F", "frame the selection, or the rig", UiMenu::kView},
     {GLFW_KEY_F, GLFW_MOD_SHIFT, {A::kFrameRig}, false, "Shift+F", "frame the rig", UiMenu::kView},
     {GLFW_KEY_G, 0, {A::kHandles}, false, "G", "handles that move and aim the selected fixtures", UiMenu::kView},
     {kTyped + '1', 0, {A::kCamera, 0}, false, "1 to 9", "cameras of the rig", UiMenu::kNone},
+    {GLFW_KEY_C, 0, {A::kStoreCamera}, false, "C", "store this view in the rig, for keys 1 to 9", UiMenu::kView},
+    {GLFW_KEY_V, 0, {A::kFly}, false, "V", "fly: W A S D, E up, Q down, drag to look, wheel: speed", UiMenu::kView},
+    {GLFW_KEY_F1, GLFW_MOD_SHIFT, {A::kViewFrom, 0}, false, "Shift+F1", "view from the front of house", UiMenu::kView},
+    {GLFW_KEY_F2, GLFW_MOD_SHIFT, {A::kViewFrom, 1}, false, "Shift+F2", "view from above", UiMenu::kView},
+    {GLFW_KEY_F3, GLFW_MOD_SHIFT, {A::kViewFrom, 2}, false, "Shift+F3", "view from the left", UiMenu::kView},
+    {GLFW_KEY_F4, GLFW_MOD_SHIFT, {A::kViewFrom, 3}, false, "Shift+F4", "view from the right", UiMenu::kView},
+    {GLFW_KEY_F5, GLFW_MOD_SHIFT, {A::kViewFrom, 4}, false, "Shift+F5", "stage plan: straight down", UiMenu::kView},
     {GLFW_KEY_G, GLFW_MOD_SHIFT, {A::kFloorLines}, false, "Shift+G", "lines on the floor, 1 m apart", UiMenu::kView},
     {GLFW_KEY_T, 0, {A::kMeasure}, false, "T", "measure between two points that are clicked", UiMenu::kView},
     {GLFW_KEY_K, 0, {A::kCompare}, false, "K", "keep this moment, and compare its levels with now", UiMenu::kView},
     {GLFW_KEY_K, GLFW_MOD_SHIFT, {A::kEndCompare}, false, "Shift+K", "end the comparison of levels", UiMenu::kView},
     {GLFW_KEY_W, 0, {A::kWorkLight}, false, "W", "work light", UiMenu::kView},
+    {GLFW_KEY_P, 0, {A::kFlashes}, false, "P", "harmful flashes: warn, limit, off", UiMenu::kView},
     {GLFW_KEY_E, 0, {A::kBrighter}, true, "E, +", "brighter picture", UiMenu::kView},
     {kTyped + '+', 0, {A::kBrighter}, true, nullptr, nullptr, UiMenu::kNone},
     {kTyped + '=', 0, {A::kBrighter}, true, nullptr, nullptr, UiMenu::kNone},  // + without Shift, of many keyboards
@@ -86,6 +101,9 @@ constexpr KeyRow kKeyRows[] = {
     {GLFW_KEY_M, 0, {A::kMark}, false, "M", "a marker at this time of the log", UiMenu::kPlayback},
     {GLFW_KEY_PAGE_UP, 0, {A::kMarkerBack}, true, "Page Up", "to the marker before", UiMenu::kPlayback},
     {GLFW_KEY_PAGE_DOWN, 0, {A::kMarkerOn}, true, "Page Down", "to the next marker", UiMenu::kPlayback},
+    {GLFW_KEY_F6, GLFW_MOD_SHIFT, {A::kTheme}, false, "Shift+F6", "theme: dark or light", UiMenu::kView},
+    {GLFW_KEY_F7, GLFW_MOD_SHIFT, {A::kUiSmaller}, true, "Shift+F7", "smaller panels and text", UiMenu::kView},
+    {GLFW_KEY_F8, GLFW_MOD_SHIFT, {A::kUiLarger}, true, "Shift+F8", "larger panels and text", UiMenu::kView},
     {GLFW_KEY_H, 0, {A::kSidePanel}, false, "H", "side panel: all, a line, none", UiMenu::kView},
     {GLFW_KEY_F11, 0, {A::kFullScreen}, false, "F11", "full screen", UiMenu::kView},
     {GLFW_KEY_F12, 0, {A::kShot}, false, "F12", "save the window as a PNG", UiMenu::kView},
@@ -99,15 +117,17 @@ constexpr KeyRow kKeyRows[] = {
      {A::kEscape},
      false,
      "Esc",
-     "put a drag of a handle back; close a menu; then the list of keys; then end measuring; then select nothing; then "
-     "close the window",
+     "put a drag of a handle back; close a menu; then the list of keys; then end flying and measuring; then select "
+     "nothing; then close the window",
      UiMenu::kNone},
 };
 
 constexpr MouseRow kMouseRows[] = {
     {"Click", "select a fixture; Ctrl or Shift adds it or takes it away"},
+    {"Shift+drag", "select what is in the rectangle; Ctrl adds it, Ctrl+Shift takes it away; Esc: nothing"},
     {"Drag", "turn around the middle of the picture"},
     {"Right drag", "move sideways"},
+    {"Right button on a camera", "in the side panel: store this view there, rename, delete"},
     {"Drag a handle (G)", "move or aim the selected fixtures; Ctrl: steps of 0.5 m; Esc: back"},
     {"Wheel", "nearer and farther"},
 };
@@ -145,6 +165,8 @@ KeyTurn turn_of(const KeyPress& press, const KeyHolders& holders) {
   if (holders.text) return KeyTurn::kNothing;
   const A action = call->action;
   if (action == A::kBlackout || action == A::kEndBlackout || action == A::kDisarm) return KeyTurn::kActs;
+  const bool letter = press.code >= GLFW_KEY_A && press.code <= GLFW_KEY_Z && (press.mods & GLFW_MOD_CONTROL) == 0;
+  if (holders.fly && letter && action != A::kFly && action != A::kStoreCamera) return KeyTurn::kNothing;
   if (holders.drag) return action == A::kEscape ? KeyTurn::kCancelsDrag : KeyTurn::kNothing;
   return holders.question && action != A::kEscape ? KeyTurn::kNothing : KeyTurn::kActs;
 }

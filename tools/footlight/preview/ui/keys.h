@@ -18,17 +18,22 @@ enum class UiAction {
   kDelete,  // what is selected
   kSelectAll,
   kHighlight,
+  kLocate,
   kReleaseAll,
   kFrame,  // the selection; the rig if there is none
   kFrameRig,
-  kHandles,  // that move and aim the selection in the picture
-  kNudge,    // moves the selection; argument: nudge_axis()
-  kCamera,   // argument: its index
-  kMeasure,  // clicks measure distances
+  kHandles,      // that move and aim the selection in the picture
+  kNudge,        // moves the selection; argument: nudge_axis()
+  kCamera,       // argument: its index
+  kStoreCamera,  // the view as a new camera of the rig
+  kViewFrom,     // argument: ViewSide
+  kFly,          // held keys move the camera
+  kMeasure,      // clicks measure distances
   kFloorLines,
   kCompare,  // keeps this moment, to compare it with now
   kEndCompare,
   kWorkLight,
+  kFlashes,  // the next mode of harmful flashes
   kBrighter,
   kDarker,
   kPlay,
@@ -43,6 +48,10 @@ enum class UiAction {
   kMarkerBack,  // to the marker before
   kMarkerOn,
   kMarker,  // to the one of this index
+  kTheme,   // the other one
+  kUiSmaller,
+  kUiLarger,
+  kOpenRecent,  // argument: index into UiDesk::recent_rigs()
   kSidePanel,
   kPanel,  // argument: index into panels()
   kFullScreen,
@@ -86,7 +95,8 @@ struct KeyRow {
 struct KeyHolders {
   bool text = false;      // a field of text, or the palette
   bool question = false;  // whether to close
-  bool drag = false;      // of a handle
+  bool drag = false;      // of a handle or a rectangle
+  bool fly = false;       // letters move the camera
 };
 enum class KeyTurn { kNothing, kActs, kCancelsDrag };
 // Keys of outputs (blackout, its end, disarm) act during a drag and a question as well.

@@ -19,6 +19,7 @@
 #include "fixtures/files/definition_reader.h"
 #include "sim/core/counted.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
+#include "tools/footlight/preview/ui/new_place.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 
@@ -40,14 +41,6 @@ enum LibraryColumn : int {
 };
 constexpr std::array<const char*, kLibraryCount> kLibraryHeads{"Maker", "Name", "Kind", "Modes", "Slots", "File"};
 constexpr std::array<float, kLibraryCount> kLibraryWidths{110, 160, 115, 46, 58, 200};
-
-// Where the first new fixture hangs: amid those of the rig, to 10 cm.
-glm::dvec3 usual_place(const fixtures::Rig& rig) {
-  if (rig.fixtures.empty()) return {0, 0, 4};
-  glm::dvec3 sum(0);
-  for (const fixtures::PatchedFixture& each : rig.fixtures) sum += fixtures::position_of(each);
-  return glm::round(sum / static_cast<double>(rig.fixtures.size()) * 10.0) / 10.0;
-}
 
 // "14", "8 - 24"
 std::string span_of_slots(const fixtures::Definition& one) {
@@ -73,7 +66,7 @@ class LibraryPanel final : public Panel {
  public:
   explicit LibraryPanel(UiDesk& desk)
       : reader_(std::make_unique<fixtures::DefinitionReader>(desk.definition_folders())) {
-    const glm::dvec3 place = usual_place(desk.edited());
+    const glm::dvec3 place = new_place(desk.edited());
     // To the millimetre; + 0 so that there is no "-0.00".
     const auto rounded = [](double metres) { return std::round(metres * 1000) / 1000 + 0.0; };
     position_m_ = {rounded(place.x), rounded(place.y), rounded(place.z)};

@@ -5,11 +5,11 @@
 
 #include <imgui/imgui.h>
 
+#include "tools/footlight/preview/ui/ui_theme.h"
+
 namespace footlight::tools {
 namespace {
 
-constexpr ImU32 kRed = IM_COL32(214, 28, 28, 255);
-constexpr ImU32 kAmber = IM_COL32(242, 169, 64, 255);
 constexpr ImU32 kWhite = IM_COL32(255, 255, 255, 255);
 constexpr ImU32 kBlack = IM_COL32(0, 0, 0, 255);
 
@@ -39,13 +39,13 @@ float draw_live_band(const OutputsView& outputs, float stage_width, float scale)
                  colour, 0, 0, thick);
   };
   if (outputs.live_count() > 0) {
-    frame(0, width, kRed);
+    frame(0, width, kLiveColour);
     if (dark) frame(0, width / 2, kBlack);  // black and red: not to be taken for LIVE
   }
   const float text = ImGui::GetFontSize();
   const float middle = std::max(stage_width, 1.0f) / 2;
-  if (!dark) return draw_tag(draw, words, text * 1.25f, middle, 0, kRed, kWhite);
-  const float below = draw_tag(draw, words, text * 2, middle, 0, kBlack, kRed);
+  if (!dark) return draw_tag(draw, words, text * 1.25f, middle, 0, kLiveColour, kWhite);
+  const float below = draw_tag(draw, words, text * 2, middle, 0, kBlack, kLiveColour);
   return draw_tag(draw, blackout_words(outputs), text, middle, below, kBlack, kWhite);
 }
 
@@ -53,7 +53,7 @@ void draw_made_up_tag(const InputsView& made_up, float stage_width, float y) {
   const std::string words = made_up_words(made_up);
   if (words.empty()) return;
   draw_tag(*ImGui::GetForegroundDrawList(), words, ImGui::GetFontSize() * 1.25f, std::max(stage_width, 1.0f) / 2, y,
-           kAmber, kBlack);
+           kMadeUpColour, kBlack);
 }
 
 }  // namespace footlight::tools

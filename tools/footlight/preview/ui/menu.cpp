@@ -1,5 +1,6 @@
 #include "tools/footlight/preview/ui/menu.h"
 
+#include <filesystem>
 #include <string>
 
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/actions.h"
+#include "tools/footlight/preview/ui/ui_theme.h"
 
 namespace footlight::tools {
 namespace {
@@ -15,8 +17,10 @@ void draw_rows(UiMenu menu, const UiDesk& desk, const OutputsView* outputs, std:
   for (const KeyRow& row : key_rows()) {
     if (row.menu != menu) continue;
     const bool checked = (row.call.action == UiAction::kHighlight && desk.highlights()) ||
+                         (row.call.action == UiAction::kLocate && desk.locates()) ||
                          (row.call.action == UiAction::kHandles && desk.handles()) ||
                          (row.call.action == UiAction::kMeasure && desk.measure().on) ||
+                         (row.call.action == UiAction::kFly && desk.fly().on()) ||
                          (row.call.action == UiAction::kFloorLines && desk.floor_lines());
     const std::string label = fmt::format("{}###{}", label_of(row, desk), row.keys);
     if (ImGui::MenuItem(label.c_str(), row.keys, checked, is_possible(row, desk, true, outputs))) chosen = row.call;
@@ -27,6 +31,18 @@ void draw_rows(UiMenu menu, const UiDesk& desk, const OutputsView* outputs, std:
 
 std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool has_log, const OutputsView* outputs) {
   std::optional<UiCall> chosen;
+  if (!desk.recent_rigs().empty() && ImGui::BeginMenu("File")) {
+    ui_text(kUiDim, "Open again");
+    for (std::size_t i = 0; i < desk.recent_rigs().size(); ++i) {
+      const std::string& path = desk.recent_rigs()[i];
+      const std::string name = std::filesystem::path(path).filename().string();
+      ImGui::PushID(static_cast<int>(i));
+      if (ImGui::MenuItem(name.c_str())) chosen = UiCall{UiAction::kOpenRecent, static_cast<int>(i)};
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path.c_str());
+      ImGui::PopID();
+    }
+    ImGui::EndMenu();
+  }
   if (ImGui::BeginMenu("Panels")) {
     for (std::size_t i = 0; i < panels().size(); ++i) {
       if (ImGui::MenuItem(panels()[i].title, panels()[i].key_text, open.is_open(i))) {

@@ -13,6 +13,7 @@
 #include "sim/core/dmx.h"
 #include "sim/core/result.h"
 #include "sim/pump.h"
+#include "tools/footlight/preview/light_strips.h"
 #include "tools/footlight/preview/ui/inputs_view.h"
 #include "tools/footlight/preview/ui/messages.h"
 #include "tools/footlight/preview/ui/outputs_view.h"
@@ -29,6 +30,7 @@ struct UiInput {
   TimeNs now_ns = 0;                     // on the clock of the stamps
   Transport* transport = nullptr;        // of the log that plays; its second part may be changed
   const LightCurve* curve = nullptr;     // of it; may be missing
+  const LightStrips* strips = nullptr;   // of it; may be missing
   OutputsView* outputs = nullptr;        // to real lamps; its second part may be changed
   InputsView* inputs = nullptr;          // live ones; its second part may be changed
   const MessageLog* messages = nullptr;  // of the window

@@ -36,6 +36,28 @@ std::optional<CloseAnswer> CloseQuestion::draw(const std::string& target, const 
   return answer;
 }
 
+std::optional<bool> OpenQuestion::draw(const std::string& what, const std::string& then) {
+  constexpr const char* kTitle = "Open a file";
+  if (!open_) ImGui::OpenPopup(kTitle);
+  std::optional<bool> answer;
+  ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Appearing, {0.5f, 0.5f});
+  if (ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize)) {
+    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
+    ui_text(what);
+    ui_text(kUiDim, then);
+    ImGui::PopTextWrapPos();
+    if (ImGui::Button("Open")) answer = true;
+    ImGui::SameLine();
+    if (ImGui::Button("Stay")) answer = false;
+    if (answer) ImGui::CloseCurrentPopup();
+    ImGui::EndPopup();
+  } else if (open_) {
+    answer = false;
+  }
+  open_ = !answer;
+  return answer;
+}
+
 std::optional<LostAnswer> draw_lost_edits(const std::string& when, bool older, float scale) {
   std::optional<LostAnswer> answer;
   ImGui::SetNextWindowPos({8 * scale, 8 * scale}, ImGuiCond_Always);

@@ -19,6 +19,16 @@ class CloseQuestion {
   bool open_ = false;
 };
 
+// Whether another rig or log is opened instead, from the first call of draw() until an answer. Esc means no.
+class OpenQuestion {
+ public:
+  // what: "Open show.mvr?". then: what happens with a yes.
+  [[nodiscard]] std::optional<bool> draw(const std::string& what, const std::string& then);
+
+ private:
+  bool open_ = false;
+};
+
 enum class LostAnswer { kKeep, kDiscard };
 // A line at the top of the window. when: "12:31, 26 November". older: the file was saved or changed since.
 [[nodiscard]] std::optional<LostAnswer> draw_lost_edits(const std::string& when, bool older, float scale);

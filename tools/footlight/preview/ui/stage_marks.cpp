@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include <fmt/format.h>
+
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/ui_theme.h"
@@ -46,7 +48,7 @@ void draw_marks(const fixtures::Rig& rig, const StagePick& pick, const StagePlac
     const ImVec2 low(static_cast<float>(middle.x - half.x) - 2, static_cast<float>(middle.y - half.y) - 2);
     const ImVec2 high(static_cast<float>(middle.x + half.x) + 2, static_cast<float>(middle.y + half.y) + 2);
     const bool lead = fixture == selection.lead;
-    const ImU32 colour = ImGui::GetColorU32(lead ? kUiAmber : ImVec4{0.85f, 0.86f, 0.88f, 0.9f});
+    const ImU32 colour = ImGui::GetColorU32(lead ? kStageColours.accent : ImVec4{0.85f, 0.86f, 0.88f, 0.9f});
     draw_corners(draw, {low.x + 1, low.y + 1}, {high.x + 1, high.y + 1}, shade, 2 * scale);
     draw_corners(draw, low, high, colour, 1.5f * scale);
     if (!names) continue;
@@ -57,6 +59,34 @@ void draw_marks(const fixtures::Rig& rig, const StagePick& pick, const StagePlac
     draw.AddText(at, colour, name.c_str());
   }
   draw.PopClipRect();
+}
+
+void draw_box(const StageBox& box, float scale) {
+  if (!box.dragging()) return;
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const ImVec2 low(static_cast<float>(box.low().x), static_cast<float>(box.low().y));
+  const ImVec2 high(static_cast<float>(box.high().x), static_cast<float>(box.high().y));
+  const ImVec4& colour = box.mode() == BoxMode::kTakesAway ? kStageColours.bad : kStageColours.accent;
+  draw.AddRectFilled(low, high, ImGui::GetColorU32({colour.x, colour.y, colour.z, 0.14f}));
+  draw.AddRect(low, high, ImGui::GetColorU32(colour), 0, 0, 1.5f * scale);
+  const char* words = box.mode() == BoxMode::kAdds ? "add" : box.mode() == BoxMode::kTakesAway ? "take away" : "select";
+  draw.AddText({high.x + 4 * scale, high.y + 2 * scale}, ImGui::GetColorU32(colour), words);
+}
+
+void draw_fly(const FlyCamera& fly, const StagePlace& place, float scale) {
+  if (!fly.on()) return;
+  const std::string words =
+      fmt::format("FLY {:.1f} m/s   W A S D, E up, Q down, Shift: faster   drag: look   wheel: speed   V or Esc: end",
+                  fly.speed_m_s());
+  const float width = static_cast<float>(place.size.x) - 24 * scale;
+  const ImVec2 needed = ImGui::CalcTextSize(words.c_str(), nullptr, false, std::max(width, 40.0f));
+  const ImVec2 at((static_cast<float>(place.size.x) - needed.x) / 2,
+                  static_cast<float>(place.size.y) - needed.y - 36 * scale);
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  draw.AddRectFilled({at.x - 8 * scale, at.y - 4 * scale}, {at.x + needed.x + 8 * scale, at.y + needed.y + 4 * scale},
+                     IM_COL32(0, 0, 0, 170), 3 * scale);
+  draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ImGui::GetColorU32(kStageColours.accent), words.c_str(),
+               nullptr, std::max(width, 40.0f));
 }
 
 }  // namespace footlight::tools

@@ -64,16 +64,38 @@ StagePick::StagePick(const fixtures::Rig& rig) : rig_(rig) {
   }
 }
 
-int StagePick::fixture_at(const StagePlace& place, glm::dvec2 at, double reach_units) const {
-  const glm::dvec2 slopes = slopes_of(place);
-  const glm::dvec3 from = place.view.position_m;
-  const glm::dvec3 way = place.view.forward + place.view.right * ((2 * at.x / place.size.x - 1) * slopes.x) +
-                         place.view.up * ((1 - 2 * at.y / place.size.y) * slopes.y);
+glm::dvec3 StagePick::middle_of(std::size_t fixture) const {
+  const Box& box = boxes_[box_index_[fixture]];
+  return glm::dvec3(fixtures::pose_of(rig_.fixtures[fixture]) * glm::dvec4((box.low_m + box.high_m) / 2.0, 1));
+}
+
+double StagePick::wall_on(const glm::dvec3& from, const glm::dvec3& way) const {
   double wall = kNever;
   for (const fixtures::StageBox& box : rig_.boxes) {
     const auto enter = into_box(from, way, box.min_m, box.max_m);
     if (enter && *enter > 0) wall = std::min(wall, *enter);  // a camera within a box sees out of it, as in the picture
   }
+  return wall;
+}
+
+std::vector<int> StagePick::fixtures_in(const StagePlace& place, glm::dvec2 low, glm::dvec2 high) const {
+  std::vector<int> inside;
+  for (std::size_t i = 0; i < rig_.fixtures.size(); ++i) {
+    const glm::dvec3 middle = middle_of(i);
+    const auto seen = projected(place, middle);
+    if (!seen || seen->x < low.x || seen->y < low.y || seen->x > high.x || seen->y > high.y) continue;
+    if (wall_on(place.view.position_m, middle - place.view.position_m) < 1) continue;
+    inside.push_back(static_cast<int>(i));
+  }
+  return inside;
+}
+
+int StagePick::fixture_at(const StagePlace& place, glm::dvec2 at, double reach_units) const {
+  const glm::dvec2 slopes = slopes_of(place);
+  const glm::dvec3 from = place.view.position_m;
+  const glm::dvec3 way = place.view.forward + place.view.right * ((2 * at.x / place.size.x - 1) * slopes.x) +
+                         place.view.up * ((1 - 2 * at.y / place.size.y) * slopes.y);
+  const double wall = wall_on(from, way);
   int nearest = -1;
   int beside = -1;
   double nearest_depth = wall;
@@ -81,7 +103,7 @@ int StagePick::fixture_at(const StagePlace& place, glm::dvec2 at, double reach_u
   for (std::size_t i = 0; i < rig_.fixtures.size(); ++i) {
     const Box& box = boxes_[box_index_[i]];
     const glm::dmat4 pose = fixtures::pose_of(rig_.fixtures[i]);
-    const glm::dvec3 middle(pose * glm::dvec4((box.low_m + box.high_m) / 2.0, 1));
+    const glm::dvec3 middle = middle_of(i);
     const double depth = glm::dot(middle - from, place.view.forward);
     const auto seen = projected(place, middle);
     if (seen && depth < wall) {

@@ -24,6 +24,10 @@ class StagePick {
   // nearest to the point and within reach_units of it.
   [[nodiscard]] int fixture_at(const StagePlace& place, glm::dvec2 at, double reach_units = 10) const;
 
+  // The fixtures whose middle is in a rectangle of the picture, ascending. Boxes of the stage hide what is behind them,
+  // as for fixture_at().
+  [[nodiscard]] std::vector<int> fixtures_in(const StagePlace& place, glm::dvec2 low, glm::dvec2 high) const;
+
   // The rectangle around a fixture; nothing if it is behind the camera or beside the picture.
   struct Mark {
     glm::dvec2 low{0};
@@ -41,6 +45,10 @@ class StagePick {
   [[nodiscard]] Box bounds_of(std::span<const int> which) const;
 
  private:
+  [[nodiscard]] glm::dvec3 middle_of(std::size_t fixture) const;
+  // The depth of the first box of the stage on a way from the camera, in lengths of the way.
+  [[nodiscard]] double wall_on(const glm::dvec3& from, const glm::dvec3& way) const;
+
   const fixtures::Rig& rig_;
   std::vector<Box> boxes_;              // of each mode in use
   std::vector<std::size_t> box_index_;  // of each fixture

@@ -10,6 +10,7 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/pick_colour.h"
 #include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 
@@ -26,7 +27,7 @@ class TimelinePanel final : public Panel {
     }
     draw_controls(*input.transport, input.scale);
     draw_markers(desk, *input.transport);
-    draw_curve(*input.transport, input.curve);
+    draw_curve(*input.transport, input.curve, input.strips);
     draw_marker_menu(desk);
   }
 
@@ -144,7 +145,7 @@ class TimelinePanel final : public Panel {
   }
 
   // Time runs from left to right; a click or a drag seeks.
-  static void draw_curve(Transport& transport, const LightCurve* curve) {
+  static void draw_curve(Transport& transport, const LightCurve* curve, const LightStrips* strips) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const ImVec2 size{std::max(room.x, 16.0f), std::max(room.y - ImGui::GetTextLineHeightWithSpacing(), 16.0f)};
@@ -162,21 +163,30 @@ class TimelinePanel final : public Panel {
 
     ImDrawList* draw = ImGui::GetWindowDrawList();
     const float bottom = at.y + size.y;
-    draw->AddRectFilled(at, {at.x + size.x, bottom}, ImGui::GetColorU32({0.075f, 0.080f, 0.090f, 1}));
-    draw->AddRectFilled(at, {x_of(transport.known_ns), bottom}, ImGui::GetColorU32({0.105f, 0.115f, 0.135f, 1}));
+    draw->AddRectFilled(at, {at.x + size.x, bottom}, ImGui::GetColorU32(ui_colours.ground));
+    draw->AddRectFilled(at, {x_of(transport.known_ns), bottom}, ImGui::GetColorU32(ui_colours.even));
     if (transport.from_ns || transport.to_ns) {
       draw->AddRectFilled({x_of(transport.from_ns.value_or(0)), at.y},
                           {x_of(transport.to_ns.value_or(transport.duration_ns)), bottom},
                           ImGui::GetColorU32({0.95f, 0.66f, 0.25f, 0.16f}));
     }
-    if (curve != nullptr) draw_points(*draw, *curve, x_of, bottom, size.y);
+    const float strip = strips != nullptr ? strip_height(size.y, strips->strips().size()) : 0;
+    const float above = strip * static_cast<float>(strips != nullptr ? strips->strips().size() : 0);
+    if (curve != nullptr) draw_points(*draw, *curve, x_of, bottom - above, size.y - above);
+    const LightStrips::Strip* under = nullptr;
+    for (std::size_t i = 0; strip > 0 && i < strips->strips().size(); ++i) {
+      const float top = bottom - above + static_cast<float>(i) * strip;
+      draw_strip(*draw, strips->strips()[i], strips->times(), x_of, {at.x, top}, strip);
+      const float mouse = ImGui::GetIO().MousePos.y;
+      if (mouse >= top && mouse < top + strip) under = &strips->strips()[i];
+    }
     const auto line = [&](TimeNs time_ns, const ImVec4& colour) {
       const float x = x_of(time_ns);
       draw->AddLine({x, at.y}, {x, bottom}, ImGui::GetColorU32(colour), 1.5f);
     };
     if (ImGui::IsItemHovered() || ImGui::IsItemActive()) {
       line(under_ns, kUiDim);
-      ImGui::SetTooltip("%s", time_text(under_ns).c_str());
+      ImGui::SetTooltip("%s%s", time_text(under_ns).c_str(), under == nullptr ? "" : text_of(*under).c_str());
     }
     line(transport.seek_ns.value_or(transport.now_ns), kUiAmber);
     const bool partly = transport.known_ns > 0 && transport.known_ns < transport.duration_ns;
@@ -184,10 +194,48 @@ class TimelinePanel final : public Panel {
                            : std::string("mean level of all dimmers"));
   }
 
+  // Of one strip; 0: there is no room for them beside the curve.
+  static float strip_height(float height, std::size_t strips) {
+    if (strips == 0) return 0;
+    const float each = std::min(0.6f * height / static_cast<float>(strips), ImGui::GetTextLineHeight());
+    return each < 3 ? 0 : std::floor(each);
+  }
+
+  static std::string text_of(const LightStrips::Strip& strip) {
+    return fmt::format("\n{}: mean light of {} of {} fixtures", strip.name,
+                       std::min(strip.heads.size(), strip.fixtures), strip.fixtures);
+  }
+
+  // The light of a group: a colour for each column of pixels, the brightest moment in it.
+  template <class XOf>
+  static void draw_strip(ImDrawList& draw, const LightStrips::Strip& strip, const std::vector<TimeNs>& times,
+                         const XOf& x_of, ImVec2 at, float height) {
+    draw.AddRectFilled(at, {x_of(INT64_MAX), at.y + height - 1}, IM_COL32_BLACK);
+    const auto screen = [](float value) { return static_cast<float>(screen_of_linear(static_cast<double>(value))); };
+    for (std::size_t i = 0; i < times.size();) {
+      const float x = std::floor(x_of(times[i]));
+      glm::vec3 brightest(-1);
+      std::size_t next = i;
+      for (; next < times.size() && std::floor(x_of(times[next])) <= x; ++next) {
+        const glm::vec3& colour = strip.colours[next];
+        if (colour.r + colour.g + colour.b > brightest.r + brightest.g + brightest.b) brightest = colour;
+      }
+      const float right = next < times.size() ? std::floor(x_of(times[next])) : x + 1;
+      draw.AddRectFilled({x, at.y}, {right, at.y + height - 1},
+                         ImGui::GetColorU32({screen(brightest.r), screen(brightest.g), screen(brightest.b), 1}));
+      i = next;
+    }
+    const float size = ImGui::GetFontSize() * 0.8f;
+    if (height < size) return;
+    const ImVec2 text{at.x + 3, at.y + (height - size) / 2 - 1};
+    draw.AddText(ImGui::GetFont(), size, {text.x + 1, text.y + 1}, IM_COL32(0, 0, 0, 220), strip.name.c_str());
+    draw.AddText(ImGui::GetFont(), size, text, IM_COL32(255, 255, 255, 220), strip.name.c_str());
+  }
+
   // One bar for each column of pixels: as high as the highest point in it.
   template <class XOf>
   static void draw_points(ImDrawList& draw, const LightCurve& curve, const XOf& x_of, float bottom, float height) {
-    const ImU32 colour = ImGui::GetColorU32({0.20f, 0.36f, 0.56f, 1});
+    const ImU32 colour = ImGui::GetColorU32(ui_colours.bar);
     const auto& points = curve.points();
     for (std::size_t i = 0; i < points.size();) {
       const float x = std::floor(x_of(points[i].at_ns));

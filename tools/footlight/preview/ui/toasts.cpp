@@ -22,10 +22,10 @@ void draw_toasts(const MessageLog& log, TimeNs now_ns, const ImVec2& stage, floa
     if (low.y < 0) break;  // no room; the panel has it
     const ImVec2 high{left + needed.x + 2 * pad, bottom};
     draw.AddRectFilled(low, high, IM_COL32(14, 15, 18, 235), 3);
-    if (message.wrong) draw.AddRectFilled(low, {low.x + 3 * scale, high.y}, ImGui::GetColorU32(kUiRed), 3);
+    if (message.wrong) draw.AddRectFilled(low, {low.x + 3 * scale, high.y}, ImGui::GetColorU32(kStageColours.bad), 3);
     draw.AddText(ImGui::GetFont(), ImGui::GetFontSize(), {low.x + pad, low.y + pad},
-                 ImGui::GetColorU32(message.wrong ? kUiRed : ImGui::GetStyleColorVec4(ImGuiCol_Text)), text.c_str(),
-                 nullptr, width);
+                 ImGui::GetColorU32(message.wrong ? kStageColours.bad : kStageColours.text), text.c_str(), nullptr,
+                 width);
     bottom = low.y - 4 * scale;
   }
 }

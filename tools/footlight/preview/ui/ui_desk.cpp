@@ -8,6 +8,7 @@
 #include "fixtures/model/params.h"
 #include "fixtures/simulate/encode.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
+#include "tools/footlight/preview/ui/pick_colour.h"
 
 namespace footlight::tools {
 namespace {
@@ -67,18 +68,20 @@ void UiDesk::show(const fixtures::Rig& rig, const fixtures::CompiledRig& compile
   lit_channels_.clear();
 }
 
-// After a command that may have changed the rig.
+// After a command that may have changed the rig. An edit of cameras only makes no other picture.
 Status UiDesk::follow_rig(const UiCommand& command) {
-  return std::holds_alternative<EditRig>(command) && remake_ ? remake_() : Status();
+  const auto* edit = std::get_if<EditRig>(&command);
+  return edit != nullptr && edit->edit.edits_fixtures() && remake_ ? remake_() : Status();
 }
 
 Status UiDesk::edit(Result<fixtures::RigEdit> edit, std::optional<Selection> selects) {
   if (!edit) return tl::unexpected<Error>(std::move(edit).error());
   if (!can_edit()) return fail(ErrorCode::kUnsupported, "this rig cannot be edited");
   const std::uint64_t before = state_.revision;
+  const bool remakes = remake_ && edit->edits_fixtures();
   history_.run(state_, EditRig{std::move(*edit), std::move(selects)}, gesture_);
   if (state_.revision == before) return {};
-  Status made = remake_ ? remake_() : Status();
+  Status made = remakes ? remake_() : Status();
   if (made) return {};
   // A drag is taken back as a whole, so what is shown is not yet what is left.
   history_.undo(state_);
@@ -239,27 +242,90 @@ void UiDesk::release_all() {
   run(std::move(command));
 }
 
-const std::vector<bool>& UiDesk::lit_channels(const fixtures::PatchedFixture& fixture) {
+// Joins with the command before of the same gesture, if the user moves the same thing.
+void UiDesk::run_taken(TakeChannels command) {
+  auto& edits = command.edits;
+  std::stable_sort(edits.begin(), edits.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
+  const auto same = [](const auto& a, const auto& b) { return a.key == b.key; };
+  edits.erase(std::unique(edits.begin(), edits.end(), same), edits.end());
+  if (!edits.empty()) run(std::move(command));
+}
+
+void UiDesk::take_values(std::vector<std::pair<ChannelKey, std::uint32_t>> values) {
+  TakeChannels command;
+  for (const auto& [key, raw] : values) {
+    if (index().place(key)) command.edits.push_back({key, raw, std::nullopt});
+  }
+  run_taken(std::move(command));
+}
+
+void UiDesk::take_several(std::span<const std::pair<ChannelKey, std::uint32_t>> values,
+                          std::span<const std::uint8_t> levels) {
+  TakeChannels command;
+  for (const auto& [key, raw] : values) {
+    TakeChannels one = command_of(key, raw, true, levels);
+    command.moved = command.moved ? command.moved : one.moved;
+    command.edits.insert(command.edits.end(), one.edits.begin(), one.edits.end());
+  }
+  run_taken(std::move(command));
+}
+
+void UiDesk::release_several(std::span<const ChannelKey> keys, std::span<const std::uint8_t> levels) {
+  TakeChannels command;
+  for (const ChannelKey key : keys) {
+    const auto held = state_.taken.find(key);
+    const std::uint32_t raw = held != state_.taken.end() ? held->second : index().read(key, levels);
+    const TakeChannels one = command_of(key, raw, false, levels);
+    command.edits.insert(command.edits.end(), one.edits.begin(), one.edits.end());
+  }
+  run_taken(std::move(command));
+}
+
+void UiDesk::take_colour(const glm::dvec3& rgb) {
+  std::vector<std::pair<ChannelKey, std::uint32_t>> values;
+  std::map<std::pair<int, int>, std::vector<ChannelRaw>> known;  // by type and mode
+  for (const int fixture : state_.selection.fixtures) {
+    const fixtures::PatchedFixture& one = rig_->fixtures[static_cast<std::size_t>(fixture)];
+    const auto [at, fresh] = known.try_emplace({one.type, one.mode});
+    if (fresh) at->second = channels_of_colour(fixtures::type_of(*rig_, one), fixtures::mode_of(*rig_, one), rgb);
+    for (const ChannelRaw& value : at->second) values.push_back({{fixture, value.channel}, value.raw});
+  }
+  take_values(std::move(values));
+}
+
+UiDesk::Writes UiDesk::writes(ChannelKey key) {
+  if (pauses_) return Writes::kNothing;
+  if (lights_ != Writes::kNothing && state_.selection.has(key.fixture)) {
+    const auto& lit = lit_channels(rig_->fixtures[static_cast<std::size_t>(key.fixture)]);
+    if (is_lit(lit[static_cast<std::size_t>(key.channel)])) return lights_;
+  }
+  return state_.taken.contains(key) ? Writes::kTaken : Writes::kNothing;
+}
+
+const std::vector<UiDesk::Lit>& UiDesk::lit_channels(const fixtures::PatchedFixture& fixture) {
   const auto [at, fresh] = lit_channels_.try_emplace({fixture.type, fixture.mode});
   if (!fresh) return at->second;
   const fixtures::Mode& mode = fixtures::mode_of(*rig_, fixture);
-  at->second = pointing_channels(mode);
-  for (std::size_t c = 0; c < at->second.size(); ++c) at->second[c] = !at->second[c] && !blows(mode.channels[c]);
+  const std::vector<bool> pointing = pointing_channels(mode);
+  for (std::size_t c = 0; c < pointing.size(); ++c) {
+    at->second.push_back(blows(mode.channels[c]) ? Lit::kNever : pointing[c] ? Lit::kPoints : Lit::kLit);
+  }
   return at->second;
 }
 
 void UiDesk::overlay(std::span<std::uint8_t> levels) {
   const RigIndex& slots = index();
   for (const auto& [key, raw] : state_.taken) slots.write(key, raw, levels);
-  if (!highlight_ || state_.selection.fixtures.empty()) return;
+  if (lights_ == Writes::kNothing || state_.selection.fixtures.empty()) return;
   if (!lit_) lit_ = std::make_unique<HandLevels>(*rig_, *compiled_);
   for (const int fixture : state_.selection.fixtures) {
-    const std::vector<bool>& lit = lit_channels(rig_->fixtures[static_cast<std::size_t>(fixture)]);
+    const std::vector<Lit>& lit = lit_channels(rig_->fixtures[static_cast<std::size_t>(fixture)]);
     for (std::size_t c = 0; c < lit.size(); ++c) {
-      if (!lit[c]) continue;
+      if (!is_lit(lit[c])) continue;
       const ChannelKey key{fixture, static_cast<int>(c)};
       const fixtures::Channel& channel = slots.channel(key);
-      slots.write(key, channel.has_highlight ? channel.highlight_value : slots.read(key, lit_->levels()), levels);
+      const bool stated = channel.has_highlight && lit[c] == Lit::kLit;
+      slots.write(key, stated ? channel.highlight_value : slots.read(key, lit_->levels()), levels);
     }
   }
 }

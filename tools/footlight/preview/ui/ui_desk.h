@@ -17,6 +17,8 @@
 #include "fixtures/edit/rig_edits.h"
 #include "fixtures/files/library.h"
 #include "fixtures/model/rig.h"
+#include "tools/footlight/pictures/flash_mode.h"
+#include "tools/footlight/preview/fly_camera.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/ui/level_comparison.h"
 #include "tools/footlight/preview/ui/rig_index.h"
@@ -54,6 +56,10 @@ class UiDesk {
   // Makes an edit, or fails with its reason, and nothing is changed. `selects`: the selection after it; nothing: the
   // same fixtures.
   Status edit(Result<fixtures::RigEdit> edit, std::optional<Selection> selects = std::nullopt);
+  // The cameras as the user has them: of the edited rig, or with those that the window made up for it.
+  [[nodiscard]] const std::vector<fixtures::Camera>& cameras() const {
+    return edited().made_up_cameras ? rig().cameras : edited().cameras;
+  }
   // Copies fixtures, and selects the copies.
   Status clone(fixtures::Fixtures which, const fixtures::CloneRow& row);
   Status clone_selected(const fixtures::CloneRow& row) { return clone(selected(), row); }
@@ -62,6 +68,9 @@ class UiDesk {
   // Where definitions of fixtures are that can be added, besides the built-in ones.
   void list_definitions_in(std::vector<fixtures::LibraryFolder> folders) { definition_folders_ = std::move(folders); }
   [[nodiscard]] const std::vector<fixtures::LibraryFolder>& definition_folders() const { return definition_folders_; }
+  // Rigs that were opened before, the newest first.
+  void list_recent(std::vector<std::string> paths) { recent_rigs_ = std::move(paths); }
+  [[nodiscard]] const std::vector<std::string>& recent_rigs() const { return recent_rigs_; }
   // A message for the line of news, from where there is no other place for it.
   void tell(std::string news) { news_ = std::move(news); }
   [[nodiscard]] std::string take_news() { return std::exchange(news_, {}); }
@@ -118,13 +127,36 @@ class UiDesk {
   void release(ChannelKey key, std::span<const std::uint8_t> levels);
   void release_all();
 
-  // Selected fixtures are lit in white, wherever they point to or turn.
-  [[nodiscard]] bool highlights() const { return highlight_; }
-  void set_highlight(bool on) { highlight_ = on; }
+  // Several channels to raw values, as one edit; those without an address are left out.
+  void take_values(std::vector<std::pair<ChannelKey, std::uint32_t>> values);
+  // As take() for each of them, as one edit.
+  void take_several(std::span<const std::pair<ChannelKey, std::uint32_t>> values, std::span<const std::uint8_t> levels);
+  // As release() for each of them, as one edit.
+  void release_several(std::span<const ChannelKey> keys, std::span<const std::uint8_t> levels);
+  // The channels that mix colours, in all selected fixtures that have some. rgb: linear, 0 to 1.
+  void take_colour(const glm::dvec3& rgb);
+
+  // Selected fixtures are lit in white: with Highlight wherever they point to or turn, with Locate at their home
+  // position. At most one of the two is on.
+  [[nodiscard]] bool highlights() const { return lights_ == Writes::kHighlight; }
+  void set_highlight(bool on) { lights_ = on ? Writes::kHighlight : Writes::kNothing; }
+  [[nodiscard]] bool locates() const { return lights_ == Writes::kLocate; }
+  void set_locate(bool on) { lights_ = on ? Writes::kLocate : Writes::kNothing; }
+  // What overlay() writes into a channel.
+  enum class Writes { kNothing, kTaken, kHighlight, kLocate };
+  [[nodiscard]] Writes writes(ChannelKey key);
+
+  // What harmful flashes of the picture do.
+  [[nodiscard]] FlashMode flashes() const { return flashes_; }
+  void set_flashes(FlashMode mode) { flashes_ = mode; }
 
   // Whether handles that move and aim the selected fixtures are in the picture.
   [[nodiscard]] bool handles() const { return handles_; }
   void set_handles(bool on) { handles_ = on; }
+
+  // The camera that flies with keys.
+  [[nodiscard]] const FlyCamera& fly() const { return fly_; }
+  [[nodiscard]] FlyCamera& fly() { return fly_; }
 
   // Whether clicks measure, and what.
   [[nodiscard]] const StageMeasure& measure() const { return measure_; }
@@ -139,17 +171,21 @@ class UiDesk {
 
   // Whether overlay() changes anything.
   [[nodiscard]] bool overlays() const {
-    return !pauses_ && (!state_.taken.empty() || (highlight_ && !state_.selection.fixtures.empty()));
+    return !pauses_ && (!state_.taken.empty() || (lights_ != Writes::kNothing && !state_.selection.fixtures.empty()));
   }
   // While the fixtures that move are not those that are shown: nothing is written over their levels.
   void pause_overlay(bool pauses) { pauses_ = pauses; }
-  // Writes what was taken over, and above that Highlight, over the levels of the rig.
+  // Writes what was taken over, and above that Highlight or Locate, over the levels of the rig.
   void overlay(std::span<std::uint8_t> levels);
 
  private:
   [[nodiscard]] TakeChannels command_of(ChannelKey key, std::uint32_t raw, bool takes,
                                         std::span<const std::uint8_t> levels);
-  [[nodiscard]] const std::vector<bool>& lit_channels(const fixtures::PatchedFixture& fixture);
+  // What Highlight and Locate do with a channel.
+  enum class Lit { kNever, kLit, kPoints };
+  [[nodiscard]] const std::vector<Lit>& lit_channels(const fixtures::PatchedFixture& fixture);
+  [[nodiscard]] bool is_lit(Lit lit) const { return lit == Lit::kLit || (lit == Lit::kPoints && locates()); }
+  void run_taken(TakeChannels command);
 
   [[nodiscard]] Status follow_rig(const UiCommand& command);
   Status edit_and_select_added(Result<fixtures::RigEdit> one);
@@ -160,15 +196,18 @@ class UiDesk {
   std::uint64_t shown_count_ = 0;
   std::string news_;
   std::vector<fixtures::LibraryFolder> definition_folders_;
+  std::vector<std::string> recent_rigs_;
   std::unique_ptr<RigIndex> index_;
   std::unique_ptr<HandLevels> lit_;                                // what Highlight writes; made when it is first used
-  std::map<std::pair<int, int>, std::vector<bool>> lit_channels_;  // which channels it writes, of a type and a mode
+  std::map<std::pair<int, int>, std::vector<Lit>> lit_channels_;   // of a type and a mode
   UiState state_;
   UiHistory history_;
   std::uint64_t gesture_ = 1;
-  bool highlight_ = false;
+  Writes lights_ = Writes::kNothing;
+  FlashMode flashes_ = FlashMode::kWarn;
   bool handles_ = false;
   bool floor_lines_ = false;
+  FlyCamera fly_;
   StageMeasure measure_;
   LevelComparison comparison_;
   bool pauses_ = false;

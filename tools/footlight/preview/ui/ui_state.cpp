@@ -167,9 +167,9 @@ void EditRig::move_ids(UiState& state) {
   state.ids = std::move(kept);
 }
 bool EditRig::apply(UiState& state) {
-  const bool any = edit.moves_indices() || std::any_of(edit.changes.begin(), edit.changes.end(), [](const auto& each) {
-                     return !fixtures::same_fixture(each.before, each.after);
-                   });
+  const bool any = edit.edits_stage() || edit.moves_indices() ||
+                   std::any_of(edit.changes.begin(), edit.changes.end(),
+                               [](const auto& each) { return !fixtures::same_fixture(each.before, each.after); });
   if (!any || state.edited == nullptr) return false;
   while (state.ids.size() < state.edited->fixtures.size()) state.ids.push_back(state.next_id++);
   move_ids(state);

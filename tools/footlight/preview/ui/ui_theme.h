@@ -1,4 +1,7 @@
 // Colours and small pieces of text that all panels of the window share. Dear ImGui only.
+//
+// States are told apart by colours of Okabe and Ito (Color Universal Design, 2008), which differ also for people with
+// protanopia, deuteranopia or tritanopia; a light theme has darker ones of the same hues. A test computes both.
 #pragma once
 
 #include <string>
@@ -6,15 +9,45 @@
 
 #include <imgui/imgui.h>
 
+#include "tools/footlight/preview/window_settings.h"
+
 namespace footlight::tools {
 
-inline const ImVec4 kUiAmber{0.95f, 0.66f, 0.25f, 1};
-inline const ImVec4 kUiGreen{0.42f, 0.78f, 0.48f, 1};
-inline const ImVec4 kUiRed{0.93f, 0.36f, 0.33f, 1};
-inline const ImVec4 kUiDim{0.50f, 0.52f, 0.56f, 1};
+struct UiColours {
+  ImVec4 accent;  // headings, keys, what is selected, warnings
+  ImVec4 good;    // works; was taken over
+  ImVec4 bad;     // gone, errors, live to real lamps
+  ImVec4 dim;     // what matters less
+  ImVec4 text;
+  ImVec4 window;  // the ground of panels
+  // Of grids and curves.
+  ImVec4 ground;
+  ImVec4 even;
+  ImVec4 odd;
+  ImVec4 bar;
+  ImVec4 hot;      // of a bar that has just changed
+  ImVec4 differs;  // from a kept moment
+  ImVec4 line;     // before bars
+};
+[[nodiscard]] UiColours colours_of(UiTheme theme);
 
-// A dark theme: few colours, no borders, small spacing. Of the current context.
-void set_ui_style(float scale);
+// Those of the current theme: set_ui_style() changes them, and what follows.
+inline UiColours ui_colours = colours_of(UiTheme::kDark);
+inline const ImVec4& kUiAmber = ui_colours.accent;
+inline const ImVec4& kUiGreen = ui_colours.good;
+inline const ImVec4& kUiRed = ui_colours.bad;
+inline const ImVec4& kUiDim = ui_colours.dim;
+inline const ImVec4& kUiText = ui_colours.text;
+
+// Over the picture, which is dark in every theme.
+inline const UiColours kStageColours = colours_of(UiTheme::kDark);
+
+// Of the band and the frame while outputs are live, with black or white text: the same in every theme.
+inline constexpr ImU32 kLiveColour = IM_COL32(214, 28, 28, 255);
+inline constexpr ImU32 kMadeUpColour = IM_COL32(242, 169, 64, 255);
+
+// Few colours, no borders, small spacing. Of the current context.
+void set_ui_style(float scale, UiTheme theme = UiTheme::kDark);
 
 inline void ui_text(std::string_view words) { ImGui::TextUnformatted(words.data(), words.data() + words.size()); }
 inline void ui_text(const ImVec4& colour, std::string_view words) {

@@ -14,6 +14,7 @@
 #include "fixtures/displays/pixel_slots.h"
 #include "tools/footlight/monitor/slot_changes.h"
 #include "tools/footlight/preview/ui/draw_compare.h"
+#include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/slot_names.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
@@ -119,38 +120,14 @@ class UniversesPanel final : public Panel {
 
   // Who sends the universe, and how old its newest frame is.
   void draw_source(const UiDesk& desk, const UiInput& input) const {
-    if (shown_ >= input.stamps.size()) {
-      ui_text(kUiDim, "levels as the fixtures get them");
-      return;
-    }
-    const FrameStamp& stamp = input.stamps[shown_];
-    if (stamp.revision == 0) {
-      ui_text(kUiAmber, "no frames yet");
-      return;
-    }
-    const DurationNs age_ns = std::max<DurationNs>(input.now_ns - stamp.stamp_ns, 0);
-    std::string words;
-    if (input.status != nullptr) {
-      const Universe universe = desk.compiled().universes[shown_];
-      for (const UniverseStatus& one : input.status->universes) {
-        if (one.universe != universe) continue;
-        for (const SenderStatus& sender : one.senders) {
-          if (!sender.wins) continue;
-          words += fmt::format("{}{} (priority {})", words.empty() ? "" : " + ", sender.name, sender.priority);
-        }
-        const std::size_t losers =
-            one.senders.size() - static_cast<std::size_t>(std::count_if(one.senders.begin(), one.senders.end(),
-                                                                        [](const auto& s) { return s.wins; }));
-        if (losers > 0) words += fmt::format(", {} outranked", losers);
-        words += fmt::format("  {:.0f} /s", one.rate_hz);
-      }
-    }
-    const bool silent = age_ns >= kSilentNs;
-    ui_text(silent ? kUiRed : kUiGreen, silent ? "no signal since" : "last frame");
+    const LevelSource source = source_of_universe(desk, input, shown_);
+    if (shown_ >= input.stamps.size()) return ui_text(kUiDim, "levels as the fixtures get them");
+    if (source.kind == SourceKind::kNobody) return ui_text(kUiAmber, source.words);
+    ui_text(source.silent ? kUiRed : kUiGreen, source.silent ? "no signal since" : "last frame");
     ImGui::SameLine(0, 4);
-    ui_text(fmt::format("{:.1f} s", static_cast<double>(age_ns) * 1e-9));
+    ui_text(fmt::format("{:.1f} s", static_cast<double>(source.age_ns) * 1e-9));
     ImGui::SameLine();
-    ui_text(kUiDim, words);
+    ui_text(kUiDim, source.words);
   }
 
   // The slot under the mouse.
@@ -214,11 +191,6 @@ class UniversesPanel final : public Panel {
 
   // A slot: a bar as high as its level, brighter where it changed; frames for what is selected, taken over or shared.
   void draw_cell(UiDesk& desk, ImDrawList& draw, std::size_t slot, ImVec2 low, ImVec2 size, float text_size) const {
-    static const ImVec4 kUnused{0.075f, 0.080f, 0.090f, 1};
-    static const ImVec4 kEven{0.125f, 0.140f, 0.170f, 1};
-    static const ImVec4 kOdd{0.165f, 0.175f, 0.200f, 1};
-    static const ImVec4 kBar{0.20f, 0.36f, 0.56f, 1};
-    static const ImVec4 kHot{0.90f, 0.56f, 0.16f, 1};
     const auto uses = desk.index().uses(shown_, slot);
     const auto pixels = pixels_of(desk, slot);
     const std::uint8_t level = changes_.levels[slot];
@@ -226,13 +198,13 @@ class UniversesPanel final : public Panel {
     const ImVec2 high{low.x + size.x - 1, low.y + size.y - 1};
     const bool used = !uses.empty() || !pixels.empty();
     const int user = !uses.empty() ? uses.front().key.fixture : used ? pixels.front().column : 0;
-    const ImVec4& ground = !used ? kUnused : user % 2 == 0 ? kEven : kOdd;
+    const ImVec4& ground = !used ? ui_colours.ground : user % 2 == 0 ? ui_colours.even : ui_colours.odd;
     draw.AddRectFilled(low, high, ImGui::GetColorU32(ground));
     if (level > 0) {
       const float top = high.y - (high.y - low.y) * static_cast<float>(level) / 255;
-      draw.AddRectFilled({low.x, top}, high, mixed(kBar, kHot, heat));
+      draw.AddRectFilled({low.x, top}, high, mixed(ui_colours.bar, ui_colours.hot, heat));
     } else if (heat > 0) {
-      draw.AddRectFilled({low.x, high.y - 2}, high, mixed(ground, kHot, heat));
+      draw.AddRectFilled({low.x, high.y - 2}, high, mixed(ground, ui_colours.hot, heat));
     }
     if (!uses.empty()) {
       const UiState& state = desk.state();
@@ -246,14 +218,13 @@ class UniversesPanel final : public Panel {
       if (shared) draw.AddRectFilled({low.x, high.y - 2}, high, ImGui::GetColorU32(kUiRed));
     }
     if (const auto other = other_level(desk, slot)) {
-      static const ImVec4 kDiffers{0.90f, 0.45f, 0.95f, 1};
       constexpr float kFrameUnits = 9;  // in a lower cell a frame and a line would hide the bar
       if (size.y < kFrameUnits) {
-        draw.AddRectFilled({low.x, high.y - 2}, high, ImGui::GetColorU32(kDiffers));
+        draw.AddRectFilled({low.x, high.y - 2}, high, ImGui::GetColorU32(ui_colours.differs));
       } else {  // its level in A is a line
         const float at = high.y - (high.y - low.y) * static_cast<float>(*other) / 255;
-        draw.AddLine({low.x, at}, {high.x, at}, IM_COL32_WHITE, 1.5f);
-        draw.AddRect(low, high, ImGui::GetColorU32(kDiffers), 0, 0, 1.5f);
+        draw.AddLine({low.x, at}, {high.x, at}, ImGui::GetColorU32(ui_colours.line), 1.5f);
+        draw.AddRect(low, high, ImGui::GetColorU32(ui_colours.differs), 0, 0, 1.5f);
       }
     }
     if (text_size > 0 && (level > 0 || used)) {

@@ -1,0 +1,83 @@
+// What the window remembers, and what files that are dropped on it are.
+#include "tools/footlight/preview/window_settings.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include <doctest/doctest.h>
+
+#include "fixtures/files/export/rig_toml.h"
+#include "fixtures/files/import/import_rig.h"
+#include "sim/dmx_log/dmx_log.h"
+#include "tests/support/temp_folder.h"
+#include "tests/tools/footlight/ui_rigs.h"
+#include "tools/footlight/preview/dropped_file.h"
+
+namespace footlight::tools {
+namespace {
+
+using footlight::testing::TempFolder;
+
+TEST_CASE("settings are read as they were written, in a folder that is made, and the newest rig is the first") {
+  const TempFolder folder;
+  const std::string path = window_settings_path(folder.file("state"));
+  CHECK(*load_window_settings(path) == WindowSettings{});
+  WindowSettings settings;
+  REQUIRE(save_window_settings(path, settings));  // before any rig was opened
+  CHECK(load_window_settings(path) == settings);
+  settings.theme = UiTheme::kLight;
+  settings.ui_percent = 150;
+  for (int i = 0; i < 14; ++i) settings.add_recent("/shows/a \"" + std::to_string(i) + "\".toml");
+  settings.add_recent("/shows/a \"9\".toml");
+  CHECK(settings.recent_rigs.size() == WindowSettings::kRecentMax);
+  CHECK(settings.recent_rigs[0] == "/shows/a \"9\".toml");
+  CHECK(settings.recent_rigs[1] == "/shows/a \"13\".toml");
+  CHECK(std::count(settings.recent_rigs.begin(), settings.recent_rigs.end(), settings.recent_rigs[0]) == 1);
+  REQUIRE(save_window_settings(path, settings));
+  const auto again = load_window_settings(path);
+  REQUIRE_MESSAGE(again, again.error().message);
+  CHECK(*again == settings);
+  CHECK(window_settings_path("").empty());
+  CHECK(save_window_settings("", settings));
+}
+
+TEST_CASE("settings that are wrong name the line and what is expected") {
+  const auto trouble = [](const char* text) {
+    const auto settings = parse_window_settings(text, "window.toml");
+    REQUIRE(!settings);
+    return settings.error().message;
+  };
+  CHECK(trouble("theme = \"pink\"").find("theme 'pink': expected dark or light") != std::string::npos);
+  CHECK(trouble("ui_percent = 500").find("300") != std::string::npos);
+  CHECK(!parse_window_settings("theme =", "window.toml"));
+  CHECK(parse_window_settings("", "window.toml"));
+}
+
+TEST_CASE("sizes go up and down in steps and stop at 75 and 300 per cent") {
+  int percent = 75;
+  for (const int next : {100, 125, 150, 200, 250, 300, 300}) CHECK((percent = next_ui_percent(percent, 1)) == next);
+  for (const int next : {250, 200, 150, 125, 100, 75, 75}) CHECK((percent = next_ui_percent(percent, -1)) == next);
+  CHECK(next_ui_percent(110, 1) == 125);
+  CHECK(next_ui_percent(110, -1) == 100);
+}
+
+TEST_CASE("a dropped file is a definition, a rig or a log by its content, and others are refused with their name") {
+  const TempFolder folder;
+  const auto write = [&](const char* name, const std::string& text) {
+    std::ofstream(folder.file(name), std::ios::binary) << text;
+    return folder.file(name);
+  };
+  CHECK(kind_of_dropped(write("rig.toml", testing::kUiRig)) == DroppedKind::kRig);
+  CHECK(kind_of_dropped(FOOTLIGHT_SOURCE_DIR "/fixtures/builtin/par.toml") == DroppedKind::kDefinition);
+  CHECK(kind_of_dropped(write("show.mvr", "PK\x03\x04")) == DroppedKind::kRig);
+  CHECK(kind_of_dropped(write("head.gdtf", "PK\x03\x04")) == DroppedKind::kDefinition);
+  CHECK(kind_of_dropped(write("show.osf", "OLA Show\n1 0\n")) == DroppedKind::kLog);
+  const auto other = kind_of_dropped(write("notes.txt", "nothing of that"));
+  REQUIRE(!other);
+  CHECK(other.error().message.find("notes.txt: is no definition") != std::string::npos);
+  CHECK(!kind_of_dropped(folder.file("missing.mvr")));
+}
+
+}  // namespace
+}  // namespace footlight::tools

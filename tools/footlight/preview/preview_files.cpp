@@ -1,0 +1,75 @@
+// Files that are dropped on the preview's window, and rigs that are opened again.
+#include <filesystem>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "fixtures/files/definition_list.h"
+#include "tools/footlight/preview/dropped_file.h"
+#include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/new_place.h"
+
+namespace footlight::tools {
+namespace {
+
+std::string name_of(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+}  // namespace
+
+// Definitions are added at once; the last rig or log is asked about.
+void Preview::take_drops() {
+  for (const std::string& path : window_->take_drops()) {
+    const auto kind = kind_of_dropped(path);
+    if (!kind) {
+      tell(kind.error());
+    } else if (*kind == DroppedKind::kDefinition) {
+      add_definition(path);
+    } else {
+      ask_to_open(*kind == DroppedKind::kRig ? Next{path, ""} : Next{"", path});
+    }
+  }
+}
+
+// One fixture of its first mode, as the button of the library does.
+void Preview::add_definition(const std::string& path) {
+  auto type = fixtures::open_definition(path);
+  if (!type) return tell(type.error());
+  fixtures::NewFixtures row;
+  row.type = std::make_shared<const fixtures::FixtureType>(std::move(*type));
+  row.position_m = new_place(desk_->edited());
+  desk_->begin_gesture();
+  const Status added = desk_->add(row);
+  desk_->begin_gesture();
+  if (!added) return tell(added.error());
+  const fixtures::PatchedFixture& one = desk_->edited().fixtures.back();
+  tell(fmt::format("added {}, {}, at {}; Ctrl+Z takes it back, F7 adds more", one.name,
+                   fixtures::mode_of(desk_->edited(), one).name, fixtures::text_of_patch(one)));
+}
+
+void Preview::ask_to_open(Next next) {
+  std::error_code trouble;
+  const std::string& path = next.rig.empty() ? next.log : next.rig;
+  if (!std::filesystem::exists(path, trouble)) return tell(fmt::format("{}: there is no such file", path), true);
+  asked_next_ = std::move(next);
+}
+
+// The window closes and opens again, with the question about unsaved edits before.
+void Preview::draw_open_question() {
+  if (!asked_next_ || asks_close_) return;
+  const bool rig = !asked_next_->rig.empty();
+  std::string then = rig ? "The window opens again with this rig, driven as before; a log is closed."
+                         : "The window opens again with this rig and the log; inputs are closed.";
+  if (outputs_ && outputs_view_.any_on()) then += " Armed outputs go dark.";
+  const auto answer =
+      open_question_.draw(fmt::format("Open {}?", name_of(rig ? asked_next_->rig : asked_next_->log)), then);
+  if (!answer) return;
+  if (*answer) {
+    next_ = std::move(asked_next_);
+    closing_ = true;
+  }
+  asked_next_.reset();
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,119 @@
+// What the user changes of the preview's picture while it runs: haze, harmful flashes, and quality as error or time.
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/no_signals.h"
+#include "tools/footlight/paths.h"
+#include "tools/footlight/pictures/knob_curves.h"
+#include "tools/footlight/preview/preview_window.h"
+
+namespace footlight::tools {
+
+void Preview::take_picture_requests() {
+  if (const auto haze = std::exchange(controls_.haze_per_m, std::nullopt)) {
+    picture_haze_per_m_ = *haze;
+    if (haze_is_rig_) {
+      if (const Status edited = desk_->edit(fixtures::set_haze(desk_->edited(), *haze)); !edited) tell(edited.error());
+    }
+  }
+  if (const auto mode = std::exchange(controls_.flashes, std::nullopt)) desk_->set_flashes(*mode);
+  facts_.flashes = desk_->flashes();
+  if (const auto quality = std::exchange(controls_.quality, std::nullopt)) ask_for_quality(*quality);
+}
+
+// Scattering of the room's haze in the picture.
+double Preview::haze_per_m() const {
+  return haze_is_rig_ ? desk_->edited().haze.scattering_per_m : picture_haze_per_m_;
+}
+
+// Between two pictures: what the GPU reads for flashes can be made anew.
+Status Preview::follow_flashes() {
+  const FlashMode mode = desk_->flashes();
+  const bool limits = mode == FlashMode::kLimit;
+  if (mode == FlashMode::kOff ? !flashes_ : flashes_ && flashes_->limits() == limits) return {};
+  flashes_.reset();
+  facts_.flashes_harmful = facts_.flashes_held = false;
+  if (mode == FlashMode::kOff) return {};
+  FL_ASSIGN(flashes_, PreviewFlashes::make(*device_, limits));
+  return {};
+}
+
+// The curves of this machine, which take seconds to measure the first time. Any thread.
+Result<render::KnobCurves> Preview::read_curves() {
+  KnobCurveOptions curve_options = suited_curve_options(*device_);
+  curve_options.go_on = [this](double, double) { return !closed_ && !stops_curves_; };
+  return machine_knob_curves(*device_, cache_folder(), curve_options, [this] {
+    if (!options_.json) fmt::print(stderr, "footlight: measuring the knobs of {}\n", device_->name());
+  });
+}
+
+// The knobs that follow from the curves and what is asked for.
+void Preview::take_curves(const render::KnobCurves& curves) {
+  const render::QualityRequest& request = facts_.quality;
+  ladder_ = render::ladder_of(curves, framed_->compiled.needs, request);
+  if (ladder_.empty()) return;
+  // For a time, the first picture has the knobs nearest the default ones; how long it takes is then known.
+  const auto usual = render::predicted(curves, framed_->compiled.needs, {});
+  const std::size_t start = request.error > 0 ? render::choose(ladder_, request)
+                            : usual           ? render::nearest(ladder_, usual->ms)
+                                              : 0;
+  if (request.ms > 0) keeper_.emplace(ladder_, request.ms, start);
+  follow_knobs(ladder_[start]);
+}
+
+void Preview::ask_for_quality(const render::QualityRequest& request) {
+  drop_curves();
+  const bool asks = request.error > 0 || request.ms > 0;
+  if (asks && !curves_) {
+    curves_ = read_knob_curves(knob_curves_path(cache_folder(), device_->facts()), device_->facts(), curves_program());
+  }
+  if (asks && !curves_ && outputs_ && outputs_view_.any_on()) {  // the window may hang for longer than outputs wait
+    return tell("this machine is not measured yet, and outputs are armed: disarm them first", true);
+  }
+  facts_.quality = request;
+  facts_.chosen.reset();
+  keeper_.reset();
+  ladder_.clear();
+  if (!asks) {
+    knobs_ = {};
+    knobs_.tile_error = options_.tile_error;
+    knobs_.body_error_px = options_.body_error_px;
+    return;
+  }
+  if (curves_) return take_curves(*curves_);
+  facts_.measures_knobs = true;  // once no frame is being made
+}
+
+// True while the picture stands still: the GPU measures how long knobs take.
+Result<bool> Preview::follow_quality() {
+  if (facts_.measures_knobs && !reading_curves_.valid() && !making_.valid()) {
+    const NoSignals no_signals;
+    stops_curves_ = false;
+    reading_curves_ = std::async(std::launch::async, [this] { return read_curves(); });
+  }
+  if (!reading_curves_.valid()) return false;
+  if (reading_curves_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return true;
+  facts_.measures_knobs = false;
+  auto curves = reading_curves_.get();
+  if (!curves && device_->lost()) return tl::unexpected<Error>(std::move(curves).error());
+  if (curves) {
+    curves_ = std::move(*curves);
+    take_curves(*curves_);
+  } else {
+    facts_.quality = {};
+    tell(curves.error().message + "; nodes and pixels are chosen by hand", true);
+  }
+  return false;
+}
+
+// Waits for curves that are being measured, and leaves them.
+void Preview::drop_curves() {
+  stops_curves_ = true;
+  if (reading_curves_.valid()) (void)reading_curves_.get();
+  facts_.measures_knobs = false;
+}
+
+}  // namespace footlight::tools

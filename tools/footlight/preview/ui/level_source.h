@@ -1,0 +1,33 @@
+// Where the levels that fixtures get come from, in words. No Dear ImGui.
+#pragma once
+
+#include <string>
+
+#include "tools/footlight/preview/ui/panels.h"
+
+namespace footlight::tools {
+
+enum class SourceKind {
+  kTaken,      // the user took the channel over
+  kHighlight,  // Highlight or Locate
+  kLog,
+  kFaders,  // of the window
+  kNobody,  // a live universe without a frame so far
+  kLive,
+  kMadeUp,  // pixels or others without an address
+};
+
+struct LevelSource {
+  SourceKind kind = SourceKind::kFaders;
+  std::string brief;      // "console", for a column
+  std::string words;      // "console (priority 100), 1 outranked  44 /s", for a line
+  bool silent = false;    // of kLive: for kSilentNs or longer
+  DurationNs age_ns = 0;  // of kLive: of the newest frame
+};
+
+// Of a universe, by its index in CompiledRig::universes. Several senders may win, each some slots.
+[[nodiscard]] LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::size_t universe);
+// Of a channel.
+[[nodiscard]] LevelSource source_of_channel(UiDesk& desk, const UiInput& input, ChannelKey key);
+
+}  // namespace footlight::tools

@@ -1,0 +1,94 @@
+#include "tools/footlight/preview/window_settings.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "fixtures/files/export/write_file.h"
+#include "fixtures/files/import/archive.h"
+#include "fixtures/files/toml/toml_reader.h"
+#include "fixtures/files/toml/toml_text.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr std::size_t kSettingsBytesMax = 1u << 20;
+constexpr std::array kPercents{75, 100, 125, 150, 200, 250, 300};
+
+}  // namespace
+
+Result<UiTheme> theme_of(std::string_view word) {
+  if (word == "dark") return UiTheme::kDark;
+  if (word == "light") return UiTheme::kLight;
+  return fail(ErrorCode::kBadInput, "theme '{}': expected dark or light", word);
+}
+
+int next_ui_percent(int percent, int direction) {
+  int less = kUiPercentMin;
+  for (const int one : kPercents) {
+    if (direction > 0 && one > percent) return one;
+    if (one < percent) less = one;
+  }
+  return direction > 0 ? kUiPercentMax : less;
+}
+
+void WindowSettings::add_recent(const std::string& path) {
+  std::erase(recent_rigs, path);
+  recent_rigs.insert(recent_rigs.begin(), path);
+  if (recent_rigs.size() > kRecentMax) recent_rigs.resize(kRecentMax);
+}
+
+std::string window_settings_path(const std::string& state_folder) {
+  return state_folder.empty() ? std::string() : state_folder + "/window.toml";
+}
+
+std::string text_of(const WindowSettings& settings) {
+  std::string text = fmt::format("# Settings of the window of 'footlight preview'.\ntheme = \"{}\"\nui_percent = {}\n",
+                                 word_of(settings.theme), settings.ui_percent);
+  if (settings.recent_rigs.empty()) return text;  // an empty list is an error of a file
+  text += "recent_rigs = [\n";
+  for (const std::string& path : settings.recent_rigs) text += fmt::format("  {},\n", fixtures::toml_text(path));
+  return text + "]\n";
+}
+
+Result<WindowSettings> parse_window_settings(std::string_view text, const std::string& path) {
+  FL_ASSIGN(const fixtures::TomlNode root, fixtures::parse_toml(std::string(text), path));
+  fixtures::TomlReader reader(root, path, "");
+  WindowSettings settings;
+  const std::string theme = reader.text("theme", word_of(settings.theme));
+  settings.ui_percent =
+      static_cast<int>(reader.integer("ui_percent", kUiPercentMin, kUiPercentMax, settings.ui_percent));
+  if (reader.has("recent_rigs")) {
+    for (auto& [rig, at] : reader.texts("recent_rigs")) settings.recent_rigs.push_back(std::move(rig));
+  }
+  FL_TRY(reader.finish());
+  if (auto known = theme_of(theme)) {
+    settings.theme = *known;
+  } else {
+    return fail(ErrorCode::kBadInput, "{}:{}: {}", path, reader.place_of("theme"), known.error().message);
+  }
+  if (settings.recent_rigs.size() > WindowSettings::kRecentMax) {
+    settings.recent_rigs.resize(WindowSettings::kRecentMax);
+  }
+  return settings;
+}
+
+Result<WindowSettings> load_window_settings(const std::string& path) {
+  if (path.empty()) return WindowSettings{};
+  const auto bytes = fixtures::read_whole_file(path, kSettingsBytesMax);
+  if (!bytes && bytes.error().code == ErrorCode::kNotFound) return WindowSettings{};
+  if (!bytes) return tl::unexpected<Error>(bytes.error());
+  return parse_window_settings(fixtures::text_of(*bytes), path);
+}
+
+Status save_window_settings(const std::string& path, const WindowSettings& settings) {
+  if (path.empty()) return {};
+  std::error_code trouble;
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), trouble);
+  return fixtures::write_file(path, text_of(settings));
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,42 @@
+// What the window remembers from session to session: its looks, and the rigs that were opened. Kept in
+// $XDG_STATE_HOME/footlight/window.toml. Knows no window.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/core/result.h"
+
+namespace footlight::tools {
+
+enum class UiTheme { kDark, kLight };
+[[nodiscard]] constexpr const char* word_of(UiTheme theme) { return theme == UiTheme::kDark ? "dark" : "light"; }
+// Of --theme: "dark" or "light".
+[[nodiscard]] Result<UiTheme> theme_of(std::string_view word);
+
+inline constexpr int kUiPercentMin = 75;
+inline constexpr int kUiPercentMax = 300;
+// The next step up (1) or down (-1): 75, 100, 125, 150, 200, 250, 300.
+[[nodiscard]] int next_ui_percent(int percent, int direction);
+
+struct WindowSettings {
+  static constexpr std::size_t kRecentMax = 10;
+  UiTheme theme = UiTheme::kDark;
+  int ui_percent = 100;                  // of the size that suits the screen
+  std::vector<std::string> recent_rigs;  // absolute paths, the newest first
+  bool operator==(const WindowSettings&) const = default;
+  // Puts a rig in front of the others.
+  void add_recent(const std::string& path);
+};
+
+// In the folder of paths.h state_folder(); empty: there is none.
+[[nodiscard]] std::string window_settings_path(const std::string& state_folder);
+[[nodiscard]] std::string text_of(const WindowSettings& settings);
+[[nodiscard]] Result<WindowSettings> parse_window_settings(std::string_view text, const std::string& path);
+// A file that does not exist gives the defaults.
+[[nodiscard]] Result<WindowSettings> load_window_settings(const std::string& path);
+// Makes the folder, if it is not there.
+[[nodiscard]] Status save_window_settings(const std::string& path, const WindowSettings& settings);
+
+}  // namespace footlight::tools
