@@ -69,6 +69,11 @@ Result<std::vector<Endpoint>> parse_ports(std::span<const std::string> texts) {
 
 bool plays_pattern(const Endpoint& endpoint) { return endpoint.scheme == "mock" && is_pattern(endpoint.target); }
 
+Result<bool> is_control(const std::string& text) {
+  FL_ASSIGN(const Endpoint endpoint, parse_port(text));
+  return endpoint.kind == EndpointKind::kControl;
+}
+
 bool is_made_up(const Endpoint& endpoint) {
   if (endpoint.scheme == "mock") return true;
   const bool has_models = endpoint.kind == EndpointKind::kGpio || endpoint.kind == EndpointKind::kControl ||
@@ -137,7 +142,7 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
         FL_ASSIGN(const Pattern pattern, pattern_of(endpoint.target));
         std::vector<Universe> universes = endpoint.show_universes();
         std::sort(universes.begin(), universes.end());
-        return std::make_unique<PatternSource>(endpoint.text, pattern, every_slot(std::move(universes)));
+        return std::make_unique<PatternSource>(endpoint.text, pattern, every_slot(std::move(universes)), tempo);
       }
       drivers::PortRequest request = device_request(endpoint);
       request.wait_for_device = options.wait_for_device;
@@ -182,7 +187,10 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
 
 Result<std::unique_ptr<Source>> PortOpener::open_control(const Endpoint& endpoint) {
   if (hand_link == nullptr) {
-    return fail(ErrorCode::kBadInput, "{}: controls set levels by hand, which only 'footlight run' has", endpoint.text);
+    return fail(
+        ErrorCode::kBadInput,
+        "{}: controls set levels by hand, which only 'footlight run' and the window of 'footlight preview' have",
+        endpoint.text);
   }
   ControlMap map;
   const bool mapped = endpoint.target.ends_with(".toml");

@@ -43,6 +43,7 @@ bool other_display(const PreviewControls& controls, const render::FrameSettings&
 Result<int> Preview::run() {
   const Result<int> result = open_and_turn();
   outputs_.reset();  // also after an error: real lamps go dark before anything else is waited for
+  end_recording();
   end_edits();
   return result;
 }
@@ -54,6 +55,7 @@ Result<int> Preview::open_and_turn() {
   if (!opened) return kExitOk;
   start_ns_ = last_ns_ = second_ns_ = clock_.now_ns();
   device_->lose_from_environment();
+  if (!options_.record.empty()) FL_TRY(start_recording(options_.record));
   while (!signal.came() && !((window_->wants_close() || closing_) && may_close())) {
     Status turned = turn();
     if (!turned && device_->lost()) turned = start_again(turned.error());
@@ -110,6 +112,7 @@ Status Preview::turn() {
   FL_TRY(update_error());
   follow_inputs();
   FL_TRY(step_levels(dt_ns));
+  keep_recording();
   show_videos();
   drive_outputs();
   frame_->adapt_for(dt_ns);    // also while the log is paused
@@ -200,8 +203,8 @@ Status Preview::read_figures(DurationNs dt_ns) {
     facts_.fps = static_cast<double>(second_frames_) * 1e9 / static_cast<double>(since_ns);
     second_ns_ = facts_.now_ns;
     second_frames_ = 0;
+    if (const LiveLevels* shown = shown_levels()) facts_.status = shown->status();
     if (live_) {
-      facts_.status = live_->status();
       for (std::string& notice : live_->notices()) {
         if (!options_.json) fmt::print(stderr, "footlight: {}\n", notice);
         tell(notice);

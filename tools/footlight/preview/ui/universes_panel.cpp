@@ -119,8 +119,9 @@ class UniversesPanel final : public Panel {
 
   // Who sends the universe, and how old its newest frame is.
   void draw_source(const UiDesk& desk, const UiInput& input) const {
-    if (shown_ >= input.stamps.size()) {
-      ui_text(kUiDim, "levels as the fixtures get them");
+    const std::string words = sender_words(desk, input);
+    if (shown_ >= input.stamps.size()) {  // a log or faders, which have no age, and what is set over them by hand
+      ui_text(kUiDim, words.empty() ? "levels as the fixtures get them" : words);
       return;
     }
     const FrameStamp& stamp = input.stamps[shown_];
@@ -129,6 +130,16 @@ class UniversesPanel final : public Panel {
       return;
     }
     const DurationNs age_ns = std::max<DurationNs>(input.now_ns - stamp.stamp_ns, 0);
+    const bool silent = age_ns >= kSilentNs;
+    ui_text(silent ? kUiRed : kUiGreen, silent ? "no signal since" : "last frame");
+    ImGui::SameLine(0, 4);
+    ui_text(fmt::format("{:.1f} s", static_cast<double>(age_ns) * 1e-9));
+    ImGui::SameLine();
+    ui_text(kUiDim, words);
+  }
+
+  // The senders that win the universe, and their rate.
+  [[nodiscard]] std::string sender_words(const UiDesk& desk, const UiInput& input) const {
     std::string words;
     if (input.status != nullptr) {
       const Universe universe = desk.compiled().universes[shown_];
@@ -145,12 +156,7 @@ class UniversesPanel final : public Panel {
         words += fmt::format("  {:.0f} /s", one.rate_hz);
       }
     }
-    const bool silent = age_ns >= kSilentNs;
-    ui_text(silent ? kUiRed : kUiGreen, silent ? "no signal since" : "last frame");
-    ImGui::SameLine(0, 4);
-    ui_text(fmt::format("{:.1f} s", static_cast<double>(age_ns) * 1e-9));
-    ImGui::SameLine();
-    ui_text(kUiDim, words);
+    return words;
   }
 
   // The slot under the mouse.
