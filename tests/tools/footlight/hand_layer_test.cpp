@@ -201,6 +201,20 @@ TEST_CASE("a control sets levels over a log, over live inputs and over a log aga
   CHECK(eventually([&] { return window.level(3, 8) == 100 && window.layer->shown() == nullptr; }));
 }
 
+TEST_CASE("a line taps the tempo beside a log: the model closes twice a second") {
+  CHECK(is_control("gpio:mock/2=tempo").value());
+  CHECK(!is_control("gpio:mock/2=1.25").value());
+  WindowOf window;
+  PortOpener opener(window.clock);
+  REQUIRE(opener.tempo->set(60, 0));
+  auto port = opener.open_source(*parse_port("gpio:mock/2=tempo"));
+  REQUIRE(port.has_value());
+  CHECK((*port)->universes().empty());
+  window.layer->add_control(std::move(*port));
+  CHECK(eventually([&] { return std::abs(opener.tempo->beats_a_minute() - 120) < 1; }));
+  CHECK(window.level(1, 1) == 100);
+}
+
 TEST_CASE("a second window on a socket that is named is refused, and a socket that is not named is another one") {
   const WindowOf window;
   SystemClock clock;

@@ -16,6 +16,7 @@
 #include "tools/demo_show/demo_assets.h"
 #include "tools/footlight/hand/midi_hand.h"
 #include "tools/footlight/hand/osc_hand.h"
+#include "tools/footlight/hand/tempo_taps.h"
 #include "tools/footlight/sound/live_sound.h"
 #include "tools/footlight/sound/sound_log.h"
 #include "tools/footlight/vrsl/open_pictures.h"
@@ -69,9 +70,15 @@ Result<std::vector<Endpoint>> parse_ports(std::span<const std::string> texts) {
 
 bool plays_pattern(const Endpoint& endpoint) { return endpoint.scheme == "mock" && is_pattern(endpoint.target); }
 
+namespace {
+
+bool taps_tempo(const Endpoint& endpoint) { return endpoint.kind == EndpointKind::kGpio && endpoint.universes.empty(); }
+
+}  // namespace
+
 Result<bool> is_control(const std::string& text) {
   FL_ASSIGN(const Endpoint endpoint, parse_port(text));
-  return endpoint.kind == EndpointKind::kControl;
+  return endpoint.kind == EndpointKind::kControl || taps_tempo(endpoint);
 }
 
 bool is_made_up(const Endpoint& endpoint) {
@@ -155,14 +162,18 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
       gpio.name = endpoint.text;
       gpio.chip = endpoint.target;
       gpio.lines = endpoint.lines;
-      gpio.universe = endpoint.universes.front().show;
+      const bool taps = taps_tempo(endpoint);
+      gpio.universe = taps ? 1 : endpoint.universes.front().show;
       gpio.address = endpoint.first_address;
       gpio.active_low = options.gpio_active_low;
       gpio.bias = options.gpio_bias;
       gpio.strobe = options.gpio_strobe;
       gpio.priority = static_cast<std::uint8_t>(options.priority);
       gpio.wait_for_device = options.wait_for_device;
-      return drivers::open_gpio_source(std::move(gpio), clock_);
+      if (!taps) return drivers::open_gpio_source(std::move(gpio), clock_);
+      gpio.strobe.flashes_hz_max = 0;  // no light flashes
+      FL_ASSIGN(std::unique_ptr<Source> lines, drivers::open_gpio_source(std::move(gpio), clock_));
+      return std::make_unique<TempoTaps>(std::move(lines), tempo);
     }
     case EndpointKind::kControl: return open_control(endpoint);
     case EndpointKind::kPicture: return open_picture_source(endpoint);

@@ -40,7 +40,7 @@ namespace footlight::tools {
 
 // `mock:chase`, `mock:full`, `mock:sine`: an input that plays a pattern (sim/pattern.h).
 [[nodiscard]] bool plays_pattern(const Endpoint& endpoint);
-// True for osc and midi: they set levels by hand. Errors: those of parse_port().
+// True for osc and midi, which set levels by hand, and for lines that tap the tempo. Errors: those of parse_port().
 [[nodiscard]] Result<bool> is_control(const std::string& text);
 // True for models of devices and patterns: nothing outside of this process is behind the port.
 [[nodiscard]] bool is_made_up(const Endpoint& endpoint);
