@@ -130,8 +130,10 @@ class UniversesPanel final : public Panel {
       return;
     }
     const DurationNs age_ns = std::max<DurationNs>(input.now_ns - stamp.stamp_ns, 0);
-    const bool silent = age_ns >= kSilentNs;
-    ui_text(silent ? kUiRed : kUiGreen, silent ? "no signal since" : "last frame");
+    // What is set by hand is sent when it changes.
+    const bool rarely = words.starts_with("by hand (") || words.starts_with("blackout (");
+    const bool silent = age_ns >= kSilentNs && !rarely;
+    ui_text(silent ? kUiRed : kUiGreen, silent ? "no signal since" : rarely ? "last change" : "last frame");
     ImGui::SameLine(0, 4);
     ui_text(fmt::format("{:.1f} s", static_cast<double>(age_ns) * 1e-9));
     ImGui::SameLine();
