@@ -1,6 +1,7 @@
 #include "sim/hand.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim/core/check.h"
 #include "sim/merge.h"
@@ -99,7 +100,7 @@ Status HandSource::check(const HandCommand& command) const {
   if (foreign == nullptr || (may_skip && foreign_count < command.levels.size())) return {};
   return fail(ErrorCode::kNotFound,
               "universe {} is not part of this bridge, which has {}; name one of these, or start the bridge with an "
-              "endpoint for it",
+              "endpoint for it (a window has the universes of its rig)",
               foreign->universe, universe_list(buffer_->numbers()));
 }
 
@@ -123,6 +124,7 @@ Result<int> HandSource::apply(const HandCommand& command, TimeNs now_ns) {
       notices_.push_back({NoticeLevel::kInfo, "hold-begins", "a hold begins: when it ends, blackout is on"});
       break;
     case HandAction::kRenew: hold_until_ns_ = now_ns + command.over_ns; break;
+    case HandAction::kTempo: return 0;
   }
   dirty_ = true;
   int slots = 0;
@@ -344,6 +346,7 @@ Status HandSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
     give_up_looks(*board, now_ns, receiver);
     if (board->leaving.any()) leave_ns_ = now_ns + 1;  // in the next tick: this one shows the levels
   }
+  if (shown_ != nullptr) shown_->publish(slots());
   return {};
 }
 
@@ -406,6 +409,106 @@ void HandSource::send(const Layer& layer, Universe universe, SenderId sender, Ti
   frame.slots = start_code == kStartCodePriorities ? layer.priorities : layer.levels;
   ++counters_.frames;
   receiver.receive(frame);
+}
+
+// --- Learning --------------------------------------------------------------------------------------------------------
+
+void HandLearner::begin() {
+  const std::lock_guard lock(mutex_);
+  moved_.reset();
+  waits_.store(true);
+}
+
+bool HandLearner::take(std::string_view port, std::string input) {
+  const std::lock_guard lock(mutex_);
+  if (!waits_.exchange(false)) return false;
+  moved_ = Moved{std::string(port), std::move(input)};
+  return true;
+}
+
+std::optional<HandLearner::Moved> HandLearner::moved() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(moved_, std::nullopt);
+}
+
+// --- For a reader ----------------------------------------------------------------------------------------------------
+
+std::vector<HandSlots> HandSource::slots() const {
+  std::vector<HandSlots> slots;
+  for (const auto& board : boards_) {
+    HandSlots one;
+    one.universe = board->universe;
+    one.levels = board->hand.levels;
+    one.priorities = board->hand.priorities;
+    one.dark_levels = board->black.levels;
+    bool any = false;
+    for (std::size_t slot = 0; slot < kSlotCountMax; ++slot) {
+      one.dark[slot] = board->black.priorities[slot] == kPriorityOverride;
+      any = any || one.dark[slot] || one.priorities[slot] != 0;
+    }
+    if (any) slots.push_back(one);
+  }
+  return slots;
+}
+
+void HandShown::publish(std::vector<HandSlots> slots) {
+  const std::lock_guard lock(mutex_);
+  published_ = std::move(slots);
+  fresh_ = true;
+}
+
+void HandShown::take() {
+  const std::lock_guard lock(mutex_);
+  if (!std::exchange(fresh_, false)) return;
+  taken_.swap(published_);
+}
+
+std::size_t HandShown::held_count() const {
+  std::size_t count = 0;
+  for (const HandSlots& one : taken_) {
+    count += static_cast<std::size_t>(
+        std::count_if(one.priorities.begin(), one.priorities.end(), [](std::uint8_t each) { return each != 0; }));
+  }
+  return count;
+}
+
+bool HandShown::dark() const {
+  return std::any_of(taken_.begin(), taken_.end(), [](const HandSlots& one) { return one.dark.any(); });
+}
+
+namespace {
+
+// Calls `change(slots, levels of the universe)` for each universe of both.
+template <class Change>
+void change_levels(const std::vector<HandSlots>& all, std::span<const Universe> universes,
+                   std::span<std::uint8_t> levels, Change change) {
+  for (const HandSlots& one : all) {
+    const auto at = std::lower_bound(universes.begin(), universes.end(), one.universe);
+    const auto from = static_cast<std::size_t>(at - universes.begin()) * kSlotCountMax;
+    if (at == universes.end() || *at != one.universe || from + kSlotCountMax > levels.size()) continue;
+    change(one, levels.subspan(from, kSlotCountMax));
+  }
+}
+
+}  // namespace
+
+void HandShown::overlay(std::span<const Universe> universes, std::span<std::uint8_t> levels,
+                        std::uint8_t base_priority) const {
+  change_levels(taken_, universes, levels, [&](const HandSlots& one, std::span<std::uint8_t> into) {
+    for (std::size_t slot = 0; slot < kSlotCountMax; ++slot) {
+      const std::uint8_t priority = one.priorities[slot];
+      if (priority == 0 || priority < base_priority) continue;
+      into[slot] = priority == base_priority ? std::max(into[slot], one.levels[slot]) : one.levels[slot];
+    }
+  });
+}
+
+void HandShown::darken(std::span<const Universe> universes, std::span<std::uint8_t> levels) const {
+  change_levels(taken_, universes, levels, [](const HandSlots& one, std::span<std::uint8_t> into) {
+    for (std::size_t slot = 0; slot < kSlotCountMax; ++slot) {
+      if (one.dark[slot]) into[slot] = one.dark_levels[slot];
+    }
+  });
 }
 
 // --- Status ----------------------------------------------------------------------------------------------------------

@@ -21,13 +21,16 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <bitset>
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/core/dmx.h"
@@ -68,6 +71,7 @@ enum class HandAction : std::uint8_t {
   kLift,        // ends blackout and hold
   kHold,        // begins a hold that lasts over_ns; an error during another one
   kRenew,       // continues it for over_ns from now; an error if there is none
+  kTempo,       // beats_a_minute; 0: a tap. It is the taker's, no source's: HandSource ignores it
 };
 
 struct HandCommand {
@@ -75,6 +79,7 @@ struct HandCommand {
   DurationNs over_ns = 0;  // kSet: duration of the fade; 0: at once
   std::uint8_t priority = kHandPriorityDefault;
   std::vector<HandLevel> levels;
+  double beats_a_minute = 0;  // kTempo
   friend bool operator==(const HandCommand&, const HandCommand&) = default;
 };
 
@@ -96,9 +101,62 @@ class HandTaker {
   virtual void recall(const SceneCall& call) = 0;
   [[nodiscard]] virtual bool blacked_out() const = 0;
 };
+// Finds out what a control sends: the next one that moves is kept and does nothing. Threads: any.
+class HandLearner {
+ public:
+  struct Moved {
+    std::string port;   // its name
+    std::string input;  // as in a control map: "cc 1 7"
+  };
+  void begin();
+  void end() { waits_.store(false); }
+  [[nodiscard]] bool waits() const { return waits_.load(std::memory_order_relaxed); }
+  // Of the ports, while waits(). False: another one was first.
+  bool take(std::string_view port, std::string input);
+  // The one that moved, once.
+  [[nodiscard]] std::optional<Moved> moved();
+
+ private:
+  std::atomic<bool> waits_ = false;
+  std::mutex mutex_;
+  std::optional<Moved> moved_;  // guarded by mutex_
+};
 // Shared by the ports and the bridge, which sets it while it runs. nullptr: commands are lost.
 struct HandLink {
   HandTaker* taker = nullptr;
+  HandLearner learner;
+};
+
+// What the hand has of one universe.
+struct HandSlots {
+  Universe universe = 0;
+  Slots levels = {};
+  Slots priorities = {};  // 0: the hand does not have the slot
+  Slots dark_levels = {};
+  std::bitset<kSlotCountMax> dark;  // slots of a blackout, which have dark_levels
+};
+
+// What the hand has, for a reader that shows it over levels which no pump merges. Threads: publish() belongs to the
+// pump's, the rest to one other.
+class HandShown {
+ public:
+  void publish(std::vector<HandSlots> slots);
+  // Takes the newest. What follows is as of the last call.
+  void take();
+  [[nodiscard]] bool any() const { return !taken_.empty(); }
+  [[nodiscard]] std::size_t held_count() const;  // slots
+  [[nodiscard]] bool dark() const;
+  // levels: 512 for each of `universes`, which are ascending. They count as one sender with base_priority that has
+  // every slot. Equal priorities: the higher level.
+  void overlay(std::span<const Universe> universes, std::span<std::uint8_t> levels, std::uint8_t base_priority) const;
+  // The blackout alone, which is above everything.
+  void darken(std::span<const Universe> universes, std::span<std::uint8_t> levels) const;
+
+ private:
+  std::mutex mutex_;
+  std::vector<HandSlots> published_;  // guarded by mutex_
+  bool fresh_ = false;                // likewise
+  std::vector<HandSlots> taken_;      // of the reader
 };
 
 // The level of a fade at a time, rounded to the nearest integer, halves up. `elapsed_ns`: 0 to over_ns.
@@ -109,6 +167,9 @@ class HandSource final : public Source {
  public:
   // `buffer`: of the pump. Its universes are those that can be set.
   explicit HandSource(std::shared_ptr<const Universes> buffer);
+
+  // Keeps `shown` up to date from the next poll() on. It outlives this; nullptr: none.
+  void show_in(HandShown* shown) { shown_ = shown; }
 
   // Checks the whole command first; one with an error changes nothing. Shown at the next poll(), which is due at once.
   // Returns the number of slots that it names. Errors: kBadInput, kNotFound (a universe that is not part of the
@@ -182,6 +243,7 @@ class HandSource final : public Source {
   void give_up_looks(Board& board, TimeNs now_ns, FrameReceiver& receiver);
   void send(const Layer& layer, Universe universe, SenderId sender, TimeNs now_ns, std::uint8_t start_code,
             FrameReceiver& receiver);
+  [[nodiscard]] std::vector<HandSlots> slots() const;
 
   std::shared_ptr<const Universes> buffer_;
   std::vector<std::unique_ptr<Board>> boards_;  // sorted by universe
@@ -194,6 +256,7 @@ class HandSource final : public Source {
   bool black_all_ = false;             // blackout of everything, also of universes that come later
   std::int64_t black_slots_ = 0;       // slots that are blacked out
   bool dirty_ = false;                 // the next poll() has something to send
+  HandShown* shown_ = nullptr;
   std::uint32_t sequence_ = 0;
   PortCounters counters_;
   std::deque<PortNotice> notices_;

@@ -28,13 +28,12 @@ PatternPlan every_slot(std::vector<Universe> universes) {
   return plan;
 }
 
-double pattern_light(Pattern pattern, std::size_t voice, std::size_t voices, TimeNs now_ns) {
+double pattern_light(Pattern pattern, std::size_t voice, std::size_t voices, const TempoBeat& beat) {
   switch (pattern) {
     case Pattern::kFull: return 1;
-    case Pattern::kChase:
-      return voice % kChaseVoices == static_cast<std::size_t>(now_ns / kChaseStepNs) % kChaseVoices ? 1 : 0;
+    case Pattern::kChase: return voice % kChaseVoices == static_cast<std::size_t>(beat.count) % kChaseVoices ? 1 : 0;
     case Pattern::kSine: {
-      const double turns = static_cast<double>(now_ns % kSineNs) / static_cast<double>(kSineNs) -
+      const double turns = (static_cast<double>(beat.count % kSineBeats) + beat.share) / kSineBeats -
                            static_cast<double>(voice) / static_cast<double>(std::max<std::size_t>(voices, 1));
       return 0.5 - 0.5 * std::cos(2 * std::numbers::pi * turns);
     }
@@ -42,8 +41,11 @@ double pattern_light(Pattern pattern, std::size_t voice, std::size_t voices, Tim
   return 0;
 }
 
-PatternSource::PatternSource(std::string name, Pattern pattern, PatternPlan plan)
-    : name_(std::move(name)), pattern_(pattern), universes_(plan.universes) {
+PatternSource::PatternSource(std::string name, Pattern pattern, PatternPlan plan, std::shared_ptr<const Tempo> tempo)
+    : name_(std::move(name)),
+      pattern_(pattern),
+      universes_(plan.universes),
+      tempo_(tempo ? std::move(tempo) : std::make_shared<const Tempo>()) {
   play(std::move(plan));
 }
 
@@ -64,8 +66,9 @@ Status PatternSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
     plan = plan_;
   }
   levels_ = plan->levels;
+  const TempoBeat beat = tempo_->at(now_ns);
   for (std::size_t voice = 0; voice < plan->voices.size(); ++voice) {
-    const double light = pattern_light(pattern_, voice, plan->voices.size(), now_ns);
+    const double light = pattern_light(pattern_, voice, plan->voices.size(), beat);
     for (const PatternSlot& slot : plan->voices[voice]) {
       levels_[slot.index] = static_cast<std::uint8_t>(std::lround(slot.dark + light * (slot.lit - slot.dark)));
     }

@@ -8,7 +8,7 @@
 // 16-bit values are interpolated byte by byte, so the fine byte is wrong by up to a step of the coarse one: 1/255.
 //
 // Frames come 40 times a second, as from a console, at priority 0: every other sender wins. A pattern depends on the
-// clock alone, so two sources with one clock play in step.
+// clock and the tempo (sim/tempo.h) alone, so two sources with one of each play in step.
 //
 // Threads: the pump's; play() may be called from any thread.
 #pragma once
@@ -25,19 +25,22 @@
 #include "sim/core/dmx.h"
 #include "sim/core/ports.h"
 #include "sim/core/result.h"
+#include "sim/tempo.h"
 
 namespace footlight {
 
 enum class Pattern : std::uint8_t {
-  kChase,  // every fourth voice is lit, the next one after half a second: a voice flashes every 2 s
+  kChase,  // every fourth voice is lit, the next one with the next beat: a voice flashes every 2 s at 120 a minute
   kFull,   // all are lit
-  kSine,   // each rises and falls once in 4 s; together they are one wave over all voices
+  kSine,   // each rises and falls once in 8 beats, 4 s; together they are one wave over all voices
 };
 inline constexpr std::array<std::string_view, 3> kPatternWords{"chase", "full", "sine"};  // as Pattern
 inline constexpr DurationNs kPatternFrameNs = 25 * kNsPerMs;
-inline constexpr DurationNs kChaseStepNs = 500 * kNsPerMs;
 inline constexpr std::size_t kChaseVoices = 4;
-inline constexpr DurationNs kSineNs = 4 * kNsPerS;
+inline constexpr std::int64_t kSineBeats = 8;
+// At the default tempo.
+inline constexpr DurationNs kChaseStepNs = 500 * kNsPerMs;
+inline constexpr DurationNs kSineNs = kSineBeats * kChaseStepNs;
 
 // kBadInput names the words there are.
 [[nodiscard]] Result<Pattern> pattern_of(std::string_view word);
@@ -57,11 +60,12 @@ struct PatternPlan {
 [[nodiscard]] PatternPlan every_slot(std::vector<Universe> universes);
 
 // The light of a voice, 0 to 1.
-[[nodiscard]] double pattern_light(Pattern pattern, std::size_t voice, std::size_t voices, TimeNs now_ns);
+[[nodiscard]] double pattern_light(Pattern pattern, std::size_t voice, std::size_t voices, const TempoBeat& beat);
 
 class PatternSource final : public Source {
  public:
-  PatternSource(std::string name, Pattern pattern, PatternPlan plan);
+  // tempo: null: the default one.
+  PatternSource(std::string name, Pattern pattern, PatternPlan plan, std::shared_ptr<const Tempo> tempo = {});
 
   // Another plan for the same universes, from the next frame on.
   void play(PatternPlan plan);
@@ -78,6 +82,7 @@ class PatternSource final : public Source {
   const std::string name_;
   const Pattern pattern_;
   const std::vector<Universe> universes_;
+  const std::shared_ptr<const Tempo> tempo_;
   std::mutex mutex_;
   std::shared_ptr<const PatternPlan> plan_;  // guarded by mutex_
   std::vector<std::uint8_t> levels_;

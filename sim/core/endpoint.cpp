@@ -222,13 +222,17 @@ Result<std::pair<Universe, Address>> parse_place(std::string_view text, std::str
 }
 
 Status parse_gpio(std::string_view text, std::string_view rest, Endpoint& endpoint) {
-  constexpr std::string_view kForm = "gpio:CHIP/LINES=UNIVERSE.ADDRESS, as in gpio:gpiochip0/17=1.25";
+  constexpr std::string_view kForm = "gpio:CHIP/LINES=UNIVERSE.ADDRESS, as in gpio:gpiochip0/17=1.25, or =tempo";
   const auto place = take_suffix(rest, '=');
   const auto lines = take_suffix(rest, '/');
   if (!place || !lines || rest.empty() || lines->empty()) {
     return fail(ErrorCode::kBadInput, "{}: expected {}", text, kForm);
   }
-  FL_ASSIGN(const auto slot, parse_place(text, *place));
+  const bool taps = *place == "tempo";
+  std::pair<Universe, Address> slot{1, 1};
+  if (!taps) {
+    FL_ASSIGN(slot, parse_place(text, *place));
+  }
   const auto [universe, address] = slot;
   auto parsed = parse_lines(*lines);
   if (!parsed) return fail(ErrorCode::kBadInput, "{}: {}; expected {}", text, parsed.error().message, kForm);
@@ -239,7 +243,7 @@ Status parse_gpio(std::string_view text, std::string_view rest, Endpoint& endpoi
   }
   endpoint.target = rest;
   endpoint.first_address = address;
-  endpoint.universes = {{universe, universe}};
+  if (!taps) endpoint.universes = {{universe, universe}};
   return {};
 }
 

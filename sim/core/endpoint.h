@@ -12,6 +12,7 @@
 //   enttec-pro                the only one plugged in                  mock:enttec-pro a model of one in this process
 //   gpio:gpiochip0/17=1.25    an input line of a GPIO chip, as universe 1 address 25
 //   gpio:gpiochip0/16-23=1.25 eight lines, as addresses 25 to 32       gpio:gpiochip0/BLACKOUT,4=1.25  names, lists
+//   gpio:gpiochip0/17=tempo   each edge is a tap of the tempo of patterns; no universe
 //   gpio:mock/2=1.25          a line of a model in this process: a contact that closes twice a second
 //   vrsl:1-9@frame_%05d.png   universes as pictures, for or from VR Stage Lighting (docs/vrsl_pictures.md)
 //   vrsl:1-3=11-13@show.png   its universes 1 to 3 as 11 to 13 of the show

@@ -538,3 +538,47 @@ TEST_CASE("three hundred thousand fades of a whole rig at once end at their leve
   CHECK(hand.fade_count() == 0);
   for (const HandSource::Held& held : hand.held()) REQUIRE(held.level == 209);
 }
+
+TEST_CASE("a reader gets what the hand has: over its own levels by priority, and the blackout apart from it") {
+  World world;
+  HandShown shown;
+  world.hand.show_in(&shown);
+  const std::array<Universe, 2> rig{1, 3};
+  std::array<std::uint8_t, 2 * kSlotCountMax> levels{};
+  const auto look = [&](bool dark) {
+    levels.fill(100);
+    shown.take();
+    dark ? shown.darken(rig, levels) : shown.overlay(rig, levels, kPriorityDefault);
+  };
+  HandCommand command = set({level(1, 1, 9), level(3, 512, 8), level(2, 1, 7)});
+  world.apply(command);
+  look(false);
+  CHECK(levels[0] == 9);
+  CHECK(levels[1] == 100);
+  CHECK(levels[2 * kSlotCountMax - 1] == 8);
+  CHECK(shown.held_count() == 3);
+  command = set({level(1, 1, 5), level(1, 2, 120), level(1, 3, 5)});
+  command.priority = kPriorityDefault;  // that of the levels below
+  world.apply(command);
+  command.priority = kPriorityDefault - 1;
+  command.levels = {level(1, 4, 5)};
+  world.apply(command);
+  look(false);
+  CHECK(levels[0] == 100);
+  CHECK(levels[1] == 120);
+  CHECK(levels[2] == 100);
+  CHECK(levels[3] == 100);
+  world.apply(only(HandAction::kBlackout));
+  look(true);
+  CHECK(shown.dark());
+  CHECK(levels[0] == 0);
+  CHECK(levels[kSlotCountMax + 17] == 0);
+  world.apply(only(HandAction::kLift));
+  look(true);
+  CHECK(!shown.dark());
+  CHECK(levels[0] == 100);
+  world.apply(only(HandAction::kReleaseAll));
+  look(false);
+  CHECK(!shown.any());
+  CHECK(levels[2 * kSlotCountMax - 1] == 100);
+}

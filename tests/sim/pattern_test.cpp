@@ -1,7 +1,9 @@
 #include "sim/pattern.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -39,11 +41,11 @@ TEST_CASE("a chase lights every fourth slot, and the next one after half a secon
 }
 
 TEST_CASE("a sine takes each voice from its dark to its lit level and back in four seconds") {
-  CHECK(pattern_light(Pattern::kSine, 0, 4, 0) == doctest::Approx(0));
-  CHECK(pattern_light(Pattern::kSine, 0, 4, kSineNs / 2) == doctest::Approx(1));
-  CHECK(pattern_light(Pattern::kSine, 0, 4, kSineNs) == doctest::Approx(0));
-  CHECK(pattern_light(Pattern::kSine, 2, 4, 0) == doctest::Approx(1));  // the other end of the wave
-  CHECK(pattern_light(Pattern::kSine, 0, 0, kSineNs / 4) == doctest::Approx(0.5));
+  CHECK(pattern_light(Pattern::kSine, 0, 4, Tempo().at(0)) == doctest::Approx(0));
+  CHECK(pattern_light(Pattern::kSine, 0, 4, Tempo().at(kSineNs / 2)) == doctest::Approx(1));
+  CHECK(pattern_light(Pattern::kSine, 0, 4, Tempo().at(kSineNs)) == doctest::Approx(0));
+  CHECK(pattern_light(Pattern::kSine, 2, 4, Tempo().at(0)) == doctest::Approx(1));  // the other end of the wave
+  CHECK(pattern_light(Pattern::kSine, 0, 0, Tempo().at(kSineNs / 4)) == doctest::Approx(0.5));
   PatternPlan plan;
   plan.universes = {7};
   plan.levels.assign(512, 9);
@@ -81,6 +83,26 @@ TEST_CASE("a word that is no pattern is refused with those that are") {
   REQUIRE(!wrong);
   CHECK(wrong.error().message.find("rainbow") != std::string::npos);
   CHECK(wrong.error().message.find("chase, full or sine") != std::string::npos);
+}
+
+TEST_CASE("a chase follows the tempo that is tapped while it plays, and a light never goes back") {
+  const auto tempo = std::make_shared<Tempo>();
+  PatternSource source("mock:chase", Pattern::kChase, every_slot({1}), tempo);
+  Taker taker;
+  const auto lit = [&](TimeNs now_ns) {
+    REQUIRE(source.poll(now_ns, taker));
+    const auto& levels = taker.levels[1];
+    return static_cast<int>(std::find(levels.begin(), levels.end(), 255) - levels.begin());
+  };
+  CHECK(lit(0) == 0);
+  CHECK(lit(600 * kNsPerMs) == 1);
+  tempo->tap(kNsPerS);
+  CHECK(lit(1'100 * kNsPerMs) == 2);
+  tempo->tap(1'400 * kNsPerMs);  // 150 a minute, and a beat begins here: beat 2.8 becomes 3
+  CHECK(lit(1'425 * kNsPerMs) == 3);
+  CHECK(lit(1'775 * kNsPerMs) == 3);
+  CHECK(lit(1'800 * kNsPerMs) == 0);
+  CHECK(lit(2'200 * kNsPerMs) == 1);
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ std::string state_folder() {
   return home.empty() ? "" : home + "/.local/state/footlight";
 }
 
-std::vector<std::string> sockets() {
+std::vector<std::string> sockets(std::string_view kind) {
   std::vector<std::string> found;
   for (const std::string& folder : socket_folders()) {
     std::vector<std::string> here;
@@ -96,7 +96,7 @@ std::vector<std::string> sockets() {
     for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
       std::error_code gone;
       const std::string name = at->path().filename().string();
-      if (name.rfind("run", 0) == 0 && at->is_socket(gone)) here.push_back(at->path().string());
+      if (name.starts_with(kind) && at->is_socket(gone)) here.push_back(at->path().string());
     }
     std::sort(here.begin(), here.end());
     found.insert(found.end(), here.begin(), here.end());

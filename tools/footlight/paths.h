@@ -25,8 +25,10 @@ namespace footlight::tools {
 [[nodiscard]] std::string make_socket_folder();
 
 inline constexpr std::string_view kSocketName = "run.sock";
-// Sockets of bridges that run, or that were killed. In the order of socket_folders(), then by name.
-[[nodiscard]] std::vector<std::string> sockets();
+inline constexpr std::string_view kPreviewSocketName = "preview.sock";
+// Sockets of programs that run, or that were killed: of bridges ("run"), or of windows ("preview"). In the order of
+// socket_folders(), then by name.
+[[nodiscard]] std::vector<std::string> sockets(std::string_view kind = "run");
 
 // Where compiled pipelines are kept: $XDG_CACHE_HOME/footlight (or ~/.cache/footlight). Empty: nowhere, as
 // FOOTLIGHT_PIPELINE_CACHE=off asks for.

@@ -82,6 +82,15 @@ TEST_CASE("several universes of a device use the first connectors unless the end
   CHECK(parsed("mock:enttec-pro/stage2=5").target == "enttec-pro/stage2");
 }
 
+TEST_CASE("a gpio endpoint that taps the tempo has lines and no universe") {
+  const auto taps = parsed("gpio:gpiochip0/17=tempo");
+  CHECK(taps.kind == EndpointKind::kGpio);
+  CHECK(taps.target == "gpiochip0");
+  CHECK(taps.lines == std::vector<std::string>{"17"});
+  CHECK(taps.universes.empty());
+  CHECK(contains(refusal("gpio:gpiochip0/17=Tempo"), "expected a universe"));
+}
+
 TEST_CASE("a gpio endpoint names a chip, lines and the first of their addresses") {
   const auto one = parsed("gpio:gpiochip0/17=1.25");
   CHECK(one.kind == EndpointKind::kGpio);

@@ -29,6 +29,8 @@ struct CompareUi : testing::DrawnUi {
     input.levels = levels;
     input.now_ns = now_ns += kNsPerS / 60;
     input.transport = transport;
+    input.status = status;
+    input.stamps = stamps;
     ImGui::NewFrame();
     if (logs) ImGui::LogToClipboard();
     open.draw(desk, input, 1280, 1000);
@@ -55,6 +57,8 @@ struct CompareUi : testing::DrawnUi {
   UiDesk desk;
   UiPanels open;
   Transport* transport = nullptr;
+  const PumpStatus* status = nullptr;
+  std::vector<FrameStamp> stamps;
   std::vector<std::uint8_t> levels;
   TimeNs now_ns = kNsPerS;
 };
@@ -168,6 +172,27 @@ TEST_CASE("the comparison survives a rig whose universes are others, and a momen
   CHECK(has(ui.words(), "no slot differs"));
   ui.levels.clear();
   CHECK(has(ui.words(), "no slot differs"));
+}
+
+TEST_CASE("the universes panel names what is set by hand as the sender, over a log and among live inputs") {
+  CompareUi ui;
+  PumpStatus status;
+  status.universes.resize(1);
+  status.universes[0].universe = ui.rig.compiled.universes[0];
+  status.universes[0].senders = {{.name = "by hand", .priority = 150, .wins = true}, {.name = "log:a", .wins = true}};
+  const auto has = [&](const char* part) { return ui.words().find(part) != std::string::npos; };
+  CHECK(has("levels as the fixtures get them"));
+  ui.status = &status;
+  CHECK(has("by hand (priority 150) + log:a (priority 100)"));
+  CHECK(!has("levels as the fixtures get them"));
+  // Live, and nothing was sent for a minute: the hand is not lost, a console is.
+  ui.stamps.resize(ui.rig.compiled.universes.size());
+  ui.stamps[0].revision = 1;
+  ui.now_ns = 60 * kNsPerS;
+  CHECK(has("last change"));
+  CHECK(!has("no signal since"));
+  status.universes[0].senders[0].name = "desk";
+  CHECK(has("no signal since"));
 }
 
 }  // namespace

@@ -2,12 +2,14 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <filesystem>
 #include <fstream>
 
 #include "drivers/midi/midi_device.h"
 #include "fixtures/model/rig.h"
 #include "tests/support/temp_folder.h"
 #include "tools/footlight/hand/control_map.h"
+#include "tools/footlight/hand/learn.h"
 #include "tools/footlight/hand/midi_hand.h"
 #include "tools/footlight/hand/osc_hand.h"
 
@@ -132,6 +134,45 @@ TEST_CASE("OSC buttons do their job once for each press") {
   phone.say("/footlight/scene/Warm", {0});
   REQUIRE(phone.taker.scenes.size() == 1);
   CHECK(phone.taker.scenes[0].name == "Warm");
+}
+
+TEST_CASE("OSC taps the tempo once for each press, and sets it as a number") {
+  Phone phone;
+  phone.say("/footlight/tap", {1});
+  phone.say("/footlight/tap", {0});
+  phone.say("/footlight/tap", {});
+  REQUIRE(phone.taker.commands.size() == 2);
+  for (const HandCommand& command : phone.taker.commands) {
+    CHECK(command.action == HandAction::kTempo);
+    CHECK(command.beats_a_minute == 0);
+  }
+  phone.say("/footlight/tempo", {128});
+  CHECK(phone.taker.commands.back().beats_a_minute == 128);
+  phone.say_float("/footlight/tempo", 93.5F);
+  CHECK(phone.taker.commands.back().beats_a_minute == 93.5);
+  phone.say("/footlight/tempo", {});
+  phone.say("/footlight/tempo", {0});
+  phone.say("/footlight/tempo", {90, 100});
+  CHECK(phone.taker.commands.size() == 4);
+}
+
+TEST_CASE("the next control that moves is learnt and does nothing, the one after it works") {
+  Phone phone;
+  HandLearner& osc = phone.link->learner;
+  osc.begin();
+  phone.say("/1/fader1", {3});
+  phone.say("/footlight/1/17", {9});
+  CHECK(phone.taker.commands.size() == 1);
+  auto moved = osc.moved();
+  REQUIRE(moved.has_value());
+  CHECK(moved->port == "osc");
+  CHECK(moved->input == "/1/fader1");
+  CHECK(!osc.moved().has_value());
+  osc.begin();
+  osc.end();
+  phone.say("/footlight/1/17", {9});
+  CHECK(phone.taker.commands.size() == 2);
+  CHECK(!osc.moved().has_value());
 }
 
 TEST_CASE("a map gives OSC addresses a target, and its rig the attributes of fixtures") {
@@ -331,6 +372,30 @@ TEST_CASE("a map of MIDI has controllers of 7 and 14 bits, keys and pitch bend")
   CHECK(faders.taker.values() == std::vector<std::uint32_t>{128});
 }
 
+TEST_CASE("a key that is mapped to the tempo is a tap with each press, and a fader one with each way up") {
+  Faders faders(
+      "[[control]]\ninput = \"note 1 60\"\nto = \"tempo\"\n[[control]]\ninput = \"cc 1 7\"\nto = \"tempo\"\n");
+  faders.move(kNote, 1, 60, 9);
+  faders.move(kNote, 1, 60, 0);
+  faders.move(kNote, 1, 60, 127);
+  CHECK(faders.taker.commands.size() == 2);
+  for (const int value : {10, 60, 70, 127, 20, 80}) faders.move(kController, 1, 7, value);
+  REQUIRE(faders.taker.commands.size() == 4);
+  CHECK(faders.taker.commands.back() == HandCommand{.action = HandAction::kTempo, .levels = {}});
+}
+
+TEST_CASE("the press of a key is learnt, and its end before is not") {
+  Faders faders;
+  faders.link->learner.begin();
+  faders.move(kNote, 1, 60, 0);
+  CHECK(!faders.link->learner.moved().has_value());
+  faders.move(kNote, 1, 61, 5);
+  const auto moved = faders.link->learner.moved();
+  REQUIRE(moved.has_value());
+  CHECK(moved->input == "note 1 61");
+  CHECK(faders.taker.commands.empty());
+}
+
 TEST_CASE("a MIDI device that is unplugged is gone, and works again when it is back") {
   Faders faders;
   faders.box->unplugged = true;
@@ -388,6 +453,46 @@ TEST_CASE("what is learnt is added to a map that keeps its other lines") {
   REQUIRE(map->controls.size() == 2);
   CHECK(map->controls[1].to == "scene Warm");
   CHECK_FALSE(append_control(path, "", "cc 1 7", "1.17").has_value());  // twice
+  const std::string phone = folder.file("phone.toml");
+  REQUIRE(append_control(phone, map_head(phone, "", 8'000, "a \"rig\".toml"), "/1/tap", "tempo").has_value());
+  const auto of_phone = load_control_map(phone);
+  REQUIRE(of_phone.has_value());
+  CHECK(of_phone->port == 8'000);
+  CHECK(of_phone->device.empty());
+  CHECK(of_phone->rig == folder.file("a \"rig\".toml"));
+}
+
+TEST_CASE("what is learnt of a port without a map makes one beside the rig, and the port is opened with it") {
+  const TempFolder folder;
+  const std::string rig = folder.file("rig.toml");
+  std::ofstream(rig) << kRig;
+  const Endpoint port = parse_endpoint("midi:nano 2=1.1", {}).value();
+  const LearnPlan plan = plan_learning(port, rig);
+  CHECK(plan.map == folder.file("nano_2.toml"));
+  CHECK(plan.endpoint == "midi:" + plan.map);
+  const auto refuse = [](const std::string&) -> Status { return fail(ErrorCode::kBadInput, "no such fixture"); };
+  REQUIRE(!learn_control(plan, "cc 1 7", "Mover 9:Tilt", refuse).has_value());
+  CHECK(!std::filesystem::exists(plan.map));
+  std::string opened;
+  const auto open = [&](const std::string& endpoint) -> Status {
+    opened = endpoint;
+    return {};
+  };
+  CHECK(learn_control(plan, "cc 1 7", "Mover 3:Tilt", open).has_value());
+  CHECK(opened == plan.endpoint);
+  const auto map = load_control_map(plan.map);
+  REQUIRE(map.has_value());
+  CHECK(map->device == "nano 2");
+  CHECK(map->rig == rig);
+  REQUIRE(map->controls.size() == 1);
+  // The next one goes to the same map.
+  const LearnPlan next = plan_learning(parse_endpoint(opened, {}).value(), rig);
+  CHECK(next.map == plan.map);
+  REQUIRE(!learn_control(next, "cc 1 8", "nothing", refuse).has_value());
+  CHECK(load_control_map(plan.map)->controls.size() == 1);
+  CHECK(learn_control(next, "note 1 60", "tempo", open).has_value());
+  CHECK(load_control_map(plan.map)->controls.size() == 2);
+  CHECK(plan_learning(parse_endpoint("osc:8000@127.0.0.1", {}).value(), "").map == "osc-8000.toml");
 }
 
 }  // namespace

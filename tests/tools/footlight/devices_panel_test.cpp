@@ -365,6 +365,61 @@ TEST_CASE("a tag over the picture says what is made up, below the band of output
   CHECK(tag(30).GetWidth() > 100);
   made_up.made_up.push_back("mock:sine");
   CHECK(made_up_words(made_up) == "MADE UP: 2 inputs");
+  made_up.dark_by_hand = true;  // a dark picture must say why
+  CHECK(made_up_words(made_up) == "BLACKOUT by hand");
+}
+
+TEST_CASE("what is set by hand is counted and released by one click, and its blackout is ended by one") {
+  OutputsView view;
+  InputsView inputs;
+  Ui ui(&view);
+  ui.inputs = &inputs;
+  CHECK(!has(ui.words(), "release all"));
+  inputs.by_hand = "3 slots by hand";
+  CHECK(has(ui.words(), "3 slots by hand"));
+  REQUIRE(ui.click_over(Ui::body(), false, [&] { return inputs.release_hand; }));
+  CHECK(!inputs.end_hand_blackout);
+  inputs = {};
+  inputs.dark_by_hand = true;
+  CHECK(has(ui.words(), "BLACKOUT by hand"));
+  REQUIRE(ui.click_over(Ui::body(), false, [&] { return inputs.end_hand_blackout; }));
+  CHECK(!inputs.release_hand);
+}
+
+TEST_CASE("with a made-up input the tempo is shown and tapped, and with a control the next one that moves is learnt") {
+  OutputsView view;
+  InputsView inputs;
+  Ui ui(&view);
+  ui.inputs = &inputs;
+  CHECK(!has(ui.words(), "beats a minute"));
+  CHECK(!has(ui.words(), "learn"));
+  inputs.has_patterns = true;
+  inputs.beats_a_minute = 127.5;
+  CHECK(has(ui.words(), "127.5 beats a minute"));
+  REQUIRE(ui.click_over(Ui::body(), false, [&] { return inputs.tap; }));
+  inputs = {};
+  inputs.has_controls = true;
+  CHECK(has(ui.words(), "learn a control"));
+  inputs.learns = true;
+  CHECK(has(ui.words(), "Move one fader"));
+  REQUIRE(ui.click_over(Ui::body(), false, [&] { return inputs.stop_learning; }));
+}
+
+TEST_CASE("a recording is a red dot with its time at the top left") {
+  const testing::HeadlessImGui imgui(800, 600);
+  ImGui::NewFrame();
+  draw_recording_mark(65 * kNsPerS, 1);
+  ImRect place(1e6f, 1e6f, -1e6f, -1e6f);
+  bool red = false;
+  for (const ImDrawVert& vertex : ImGui::GetForegroundDrawList()->VtxBuffer) {
+    place.Add(vertex.pos);
+    red = red || vertex.col == IM_COL32(214, 28, 28, 255);
+  }
+  ImGui::Render();
+  CHECK(red);
+  CHECK(place.Min.x >= 0);
+  CHECK(place.Max.x < 200);
+  CHECK(place.Max.y < 60);
 }
 
 TEST_CASE("an interface or an output that is dragged to a universe is patched to it") {

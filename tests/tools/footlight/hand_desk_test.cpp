@@ -98,5 +98,19 @@ TEST_CASE("remembering a blackout does not write through a link") {
   CHECK(bridge.notices[0].find("cannot be written") != std::string::npos);
 }
 
+TEST_CASE("taps of a control and of a command are those of one tempo, and need no pump") {
+  Bridge bridge("");
+  const auto tempo = std::make_shared<Tempo>();
+  bridge.desk->share_tempo(tempo);
+  bridge.clock.advance_ns(9 * kNsPerS);
+  CHECK(bridge.desk->apply({.action = HandAction::kTempo, .levels = {}}).has_value());
+  CHECK(bridge.desk->take({.action = HandAction::kTempo, .levels = {}}, 10'600 * kNsPerMs).has_value());
+  CHECK(tempo->beats_a_minute() == doctest::Approx(100));
+  CHECK(bridge.desk->apply({.action = HandAction::kTempo, .levels = {}, .beats_a_minute = 90}).has_value());
+  CHECK(tempo->beats_a_minute() == doctest::Approx(90));
+  CHECK(!bridge.desk->apply({.action = HandAction::kTempo, .levels = {}, .beats_a_minute = 500}).has_value());
+  CHECK(tempo->beats_a_minute() == doctest::Approx(90));
+}
+
 }  // namespace
 }  // namespace footlight::tools

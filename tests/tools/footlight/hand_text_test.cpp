@@ -133,6 +133,10 @@ TEST_CASE("a message is read as it was written") {
   const auto read = parse_hand_message(hand_message(command));
   REQUIRE(read.has_value());
   CHECK(read->levels.size() == 14);  // without values, the pair as two slots
+  for (const double beats : {0.0, 128.25}) {
+    const HandCommand tempo{.action = HandAction::kTempo, .levels = {}, .beats_a_minute = beats};
+    CHECK(parse_hand_message(hand_message(tempo)).value() == tempo);
+  }
 }
 
 TEST_CASE("a damaged message is refused with its line") {
@@ -147,6 +151,8 @@ TEST_CASE("a damaged message is refused with its line") {
   CHECK(contains(refused("footlight-hand 1\ndance\n").message, "line 2"));
   CHECK(contains(refused("footlight-hand 1\nset\npriority 201\n1.1=0\n").message, "line 3"));
   CHECK(contains(refused("footlight-hand 1\nset\nover -1\n").message, "line 3"));
+  CHECK(contains(refused("footlight-hand 1\nset\nbeats 100\n1.1=0\n").message, "line 3"));
+  CHECK(contains(refused("footlight-hand 1\ntempo\nbeats nan\n").message, "line 3"));
   CHECK(contains(refused("footlight-hand 1\nset\n1.1=0\n\n").message, "line 4"));
   CHECK(contains(refused("footlight-hand 1\nset\n1.1=0\n1.600=0\n").message, "line 4"));
   std::string flood = "footlight-hand 1\nset\n";

@@ -399,6 +399,7 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   if (bridge.live != nullptr) {
     bridge.live->after_move = [&desk] { desk.follow_pump(); };
     bridge.live->hand_link().taker = &desk;
+    desk.share_tempo(bridge.live->tempo());
   }
   StatusPages pages(pump, clock);
   pages.guard = bridge.guard;

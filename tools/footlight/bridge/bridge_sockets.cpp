@@ -7,18 +7,25 @@
 
 namespace footlight::tools {
 
-Result<std::string> find_bridge(std::string_view command, std::string_view otherwise) {
+Result<std::string> find_bridge(std::string_view command, std::string_view otherwise, bool with_windows) {
   std::vector<std::string> found;
-  for (const std::string& socket : sockets()) {
-    if (http_request(socket, "GET", "/status")) found.push_back(socket);
-  }
+  const auto look = [&](std::string_view kind) {
+    for (const std::string& socket : sockets(kind)) {
+      if (http_request(socket, "GET", "/status")) found.push_back(socket);
+    }
+  };
+  look("run");
+  const bool windows = found.empty() && with_windows;
+  if (windows) look("preview");
   if (found.size() == 1) return found.front();
   if (found.empty()) {
-    return fail(ErrorCode::kNotFound, "no 'footlight run' is running on this machine; start one{}", otherwise);
+    return fail(ErrorCode::kNotFound, "no 'footlight run' is running on this machine{}; start one{}",
+                with_windows ? ", and no 'footlight preview'" : "", otherwise);
   }
   std::string list;
   for (const std::string& socket : found) list += fmt::format("\n  footlight {} --socket {}", command, socket);
-  return fail(ErrorCode::kBadInput, "{} bridges run on this machine; choose one:{}", found.size(), list);
+  return fail(ErrorCode::kBadInput, "{} {} run on this machine; choose one:{}", found.size(),
+              windows ? "windows" : "bridges", list);
 }
 
 }  // namespace footlight::tools

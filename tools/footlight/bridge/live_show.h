@@ -61,6 +61,8 @@ class LiveShow {
 
   // What the ports of controls speak to; set it while the pump does not run.
   [[nodiscard]] HandLink& hand_link() { return *opener_.hand_link; }
+  // Of the patterns among its inputs.
+  [[nodiscard]] const std::shared_ptr<Tempo>& tempo() const { return opener_.tempo; }
   // Called on the pump's thread after it has moved to another buffer, before its next tick. Set before the pump runs.
   std::function<void()> after_move;
 

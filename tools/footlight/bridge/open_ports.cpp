@@ -16,6 +16,7 @@
 #include "tools/demo_show/demo_assets.h"
 #include "tools/footlight/hand/midi_hand.h"
 #include "tools/footlight/hand/osc_hand.h"
+#include "tools/footlight/hand/tempo_taps.h"
 #include "tools/footlight/sound/live_sound.h"
 #include "tools/footlight/sound/sound_log.h"
 #include "tools/footlight/vrsl/open_pictures.h"
@@ -68,6 +69,17 @@ Result<std::vector<Endpoint>> parse_ports(std::span<const std::string> texts) {
 }
 
 bool plays_pattern(const Endpoint& endpoint) { return endpoint.scheme == "mock" && is_pattern(endpoint.target); }
+
+namespace {
+
+bool taps_tempo(const Endpoint& endpoint) { return endpoint.kind == EndpointKind::kGpio && endpoint.universes.empty(); }
+
+}  // namespace
+
+Result<bool> is_control(const std::string& text) {
+  FL_ASSIGN(const Endpoint endpoint, parse_port(text));
+  return endpoint.kind == EndpointKind::kControl || taps_tempo(endpoint);
+}
 
 bool is_made_up(const Endpoint& endpoint) {
   if (endpoint.scheme == "mock") return true;
@@ -137,7 +149,7 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
         FL_ASSIGN(const Pattern pattern, pattern_of(endpoint.target));
         std::vector<Universe> universes = endpoint.show_universes();
         std::sort(universes.begin(), universes.end());
-        return std::make_unique<PatternSource>(endpoint.text, pattern, every_slot(std::move(universes)));
+        return std::make_unique<PatternSource>(endpoint.text, pattern, every_slot(std::move(universes)), tempo);
       }
       drivers::PortRequest request = device_request(endpoint);
       request.wait_for_device = options.wait_for_device;
@@ -150,14 +162,18 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
       gpio.name = endpoint.text;
       gpio.chip = endpoint.target;
       gpio.lines = endpoint.lines;
-      gpio.universe = endpoint.universes.front().show;
+      const bool taps = taps_tempo(endpoint);
+      gpio.universe = taps ? 1 : endpoint.universes.front().show;
       gpio.address = endpoint.first_address;
       gpio.active_low = options.gpio_active_low;
       gpio.bias = options.gpio_bias;
       gpio.strobe = options.gpio_strobe;
       gpio.priority = static_cast<std::uint8_t>(options.priority);
       gpio.wait_for_device = options.wait_for_device;
-      return drivers::open_gpio_source(std::move(gpio), clock_);
+      if (!taps) return drivers::open_gpio_source(std::move(gpio), clock_);
+      gpio.strobe.flashes_hz_max = 0;  // no light flashes
+      FL_ASSIGN(std::unique_ptr<Source> lines, drivers::open_gpio_source(std::move(gpio), clock_));
+      return std::make_unique<TempoTaps>(std::move(lines), tempo);
     }
     case EndpointKind::kControl: return open_control(endpoint);
     case EndpointKind::kPicture: return open_picture_source(endpoint);
@@ -182,7 +198,10 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
 
 Result<std::unique_ptr<Source>> PortOpener::open_control(const Endpoint& endpoint) {
   if (hand_link == nullptr) {
-    return fail(ErrorCode::kBadInput, "{}: controls set levels by hand, which only 'footlight run' has", endpoint.text);
+    return fail(
+        ErrorCode::kBadInput,
+        "{}: controls set levels by hand, which only 'footlight run' and the window of 'footlight preview' have",
+        endpoint.text);
   }
   ControlMap map;
   const bool mapped = endpoint.target.ends_with(".toml");

@@ -25,6 +25,7 @@
 #include "sim/core/ports.h"
 #include "sim/core/result.h"
 #include "sim/hand.h"
+#include "sim/tempo.h"
 
 namespace footlight::drivers {
 class OwnSenders;
@@ -39,6 +40,8 @@ namespace footlight::tools {
 
 // `mock:chase`, `mock:full`, `mock:sine`: an input that plays a pattern (sim/pattern.h).
 [[nodiscard]] bool plays_pattern(const Endpoint& endpoint);
+// True for osc and midi, which set levels by hand, and for lines that tap the tempo. Errors: those of parse_port().
+[[nodiscard]] Result<bool> is_control(const std::string& text);
 // True for models of devices and patterns: nothing outside of this process is behind the port.
 [[nodiscard]] bool is_made_up(const Endpoint& endpoint);
 
@@ -103,6 +106,8 @@ class PortOpener {
 
   // Control endpoints (osc, midi) speak to what the link names. Null, as at first: they are refused.
   std::shared_ptr<HandLink> hand_link;
+  // Of the patterns that it opens.
+  const std::shared_ptr<Tempo> tempo = std::make_shared<Tempo>();
 
  private:
   [[nodiscard]] Result<std::unique_ptr<Source>> open_control(const Endpoint& endpoint);

@@ -100,10 +100,8 @@ Result<int> learn(const Options& options) {
     std::fputs(control_text(input, options.to).c_str(), stdout);
     return kExitOk;
   }
-  const std::string head =
-      midi ? fmt::format("# For 'footlight run --in midi:{}'.\ndevice = \"{}\"\n", options.map, target)
-           : fmt::format("# For 'footlight run --in osc:{}'.\nport = {}\n", options.map,
-                         target.substr(0, target.find('@')));
+  FL_ASSIGN(const Endpoint endpoint, parse_port(midi ? "osc:1" : text));  // of OSC its UDP port
+  const std::string head = map_head(options.map, midi ? target : "", endpoint.udp_port, "");
   FL_TRY(append_control(options.map, head, input, options.to));
   std::fprintf(stderr, "%s: '%s' controls %s\n", options.map.c_str(), input.c_str(), options.to.c_str());
   return kExitOk;
@@ -113,7 +111,7 @@ void add(Arguments& arguments) {
   auto options = std::make_shared<Options>();
   arguments.word("ENDPOINT", options->endpoint, "midi:DEVICE or osc:PORT");
   arguments.option("--to", options->to, "TARGET",
-                   "what it controls: 1.17, 'Mover 3:Tilt', 'scene Warm', blackout or release [1.1]");
+                   "what it controls: 1.17, 'Mover 3:Tilt', 'scene Warm', blackout, release or tempo [1.1]");
   arguments.option("--map", options->map, "FILE", "add it to this control map; default: print it");
   arguments.duration("--wait", options->patience_ns, "how long to wait for a movement [30s]");
   arguments.job([options]() -> Result<int> { return learn(*options); });

@@ -25,6 +25,12 @@ void add(Arguments& arguments) {
   auto body_error = std::make_shared<std::optional<double>>();
   add_scene_arguments(arguments, options->files);
   arguments.list("--in,-i", options->ins, "ENDPOINT", "live input for the rig; may be given several times");
+  arguments.option("--socket", options->socket, "FILE",
+                   "socket for 'footlight set', fade, blackout and scene: a file, auto or none [auto]");
+  arguments.option("--record", options->record, "FILE",
+                   "record what the fixtures get to this log, from the first picture on (Ctrl+R ends it)");
+  arguments.option("--recordings", options->recordings, "FOLDER",
+                   "where Ctrl+R puts recordings; default: the folder of the rig's file");
   arguments.list("--output", options->outputs, "ENDPOINT",
                  "output of the picture's levels to real lamps, which sends nothing until it is armed in the window "
                  "(F6); may be given several times");

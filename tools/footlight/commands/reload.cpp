@@ -29,7 +29,7 @@ Result<nlohmann::json> read_page(const std::string& socket) {
 Result<int> reload(const Options& options) {
   std::string socket = options.socket;
   if (socket.empty()) {
-    FL_ASSIGN(socket, find_bridge("reload"));
+    FL_ASSIGN(socket, find_bridge("reload", {}, /*with_windows=*/false));
   }
   const auto count = [](const nlohmann::json& json) { return json.value("taken", 0) + json.value("refused", 0); };
   FL_ASSIGN(const nlohmann::json before, read_page(socket));

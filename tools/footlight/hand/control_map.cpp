@@ -91,6 +91,12 @@ Result<Control> Control::make(const ControlPlan& plan, const ControlMap& map, co
     control.command_.action = HandAction::kReleaseAll;
     return control;
   }
+  if (plan.to == "tempo") {  // each press is a tap
+    control.kind_ = Kind::kTempo;
+    control.toggle_ = false;
+    control.command_.action = HandAction::kTempo;
+    return control;
+  }
   if (plan.to.starts_with(kScene)) {
     control.kind_ = Kind::kScene;
     control.scene_ = {.name = plan.to.substr(kScene.size()),
@@ -128,6 +134,7 @@ Status Control::move(double share, TimeNs now_ns, HandTaker& taker) {
     case Kind::kScene:
       if (press) taker.recall(scene_);
       return {};
+    case Kind::kTempo:
     case Kind::kRelease: return press ? taker.take(command_, now_ns) : Status();
     case Kind::kBlackout:
     case Kind::kLevels: break;
@@ -164,6 +171,14 @@ Status Control::black_out(bool press, bool end, TimeNs now_ns, HandTaker& taker)
   if (!end || !std::exchange(began_, false)) return {};
   command_.action = HandAction::kLift;
   return taker.take(command_, now_ns);
+}
+
+std::string map_head(const std::string& path, const std::string& device, int udp_port, const std::string& rig) {
+  const bool midi = !device.empty();
+  std::string text = fmt::format("# For 'footlight run --in {}:{}'.\n", midi ? "midi" : "osc", path);
+  text += midi ? fmt::format("device = {}\n", fixtures::toml_text(device)) : fmt::format("port = {}\n", udp_port);
+  if (!rig.empty()) text += fmt::format("rig = {}\n", fixtures::toml_text(rig));
+  return text;
 }
 
 std::string control_text(const std::string& input, const std::string& to) {

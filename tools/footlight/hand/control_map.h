@@ -18,7 +18,7 @@ namespace footlight::tools {
 // One [[control]] of a map, as in the file.
 struct ControlPlan {
   std::string input;       // "cc 1 7", "note 1 60", "/1/fader1"
-  std::string to;          // "1.17", "Mover 3:Tilt", "scene Warm", "blackout", "release"
+  std::string to;          // "1.17", "Mover 3:Tilt", "scene Warm", "blackout", "release", "tempo"
   std::string low = "0%";  // of slots and attributes: at the share 0
   std::string high = "100%";
   DurationNs over_ns = 0;
@@ -57,7 +57,7 @@ class Control {
  private:
   Status black_out(bool press, bool end, TimeNs now_ns, HandTaker& taker);
 
-  enum class Kind { kLevels, kScene, kBlackout, kRelease };
+  enum class Kind { kLevels, kScene, kBlackout, kRelease, kTempo };
   Kind kind_ = Kind::kLevels;
   bool toggle_ = false;
   bool on_ = false;       // of a toggle of levels
@@ -68,6 +68,9 @@ class Control {
   SceneCall scene_;
 };
 
+// The first lines of a new map at `path`: for a device, or for a UDP port; `rig`: with the names of fixtures, or "".
+[[nodiscard]] std::string map_head(const std::string& path, const std::string& device, int udp_port,
+                                   const std::string& rig);
 // The text of a control for a map file, and the file with it appended. `path` may not exist yet.
 [[nodiscard]] std::string control_text(const std::string& input, const std::string& to);
 [[nodiscard]] Status append_control(const std::string& path, const std::string& head, const std::string& input,

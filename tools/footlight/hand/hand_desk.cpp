@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "fixtures/model/rig.h"
+#include "sim/core/check.h"
 #include "sim/core/no_signals.h"
 #include "tools/footlight/hand/hand_targets.h"
 #include "tools/footlight/hand/scene_file.h"
@@ -22,6 +23,11 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{2};
 constexpr std::size_t kTasksMax = 16;  // more are dropped: someone plays with a button
+
+Error no_pump() {
+  return {ErrorCode::kTimeout,
+          "nothing drives levels now, since the rig is being changed or has no address; try again"};
+}
 
 // Whether a command may change what is remembered.
 bool concerns_memory(const HandCommand& command) {
@@ -43,15 +49,29 @@ bool HandDesk::remember_in(std::string path) {
 Status HandDesk::on_pump(std::function<void()> job) {
   const auto done = std::make_shared<std::promise<void>>();
   const auto finished = done->get_future();
-  pump_.call([job = std::move(job), done] {
-    job();
-    done->set_value();
-  });
+  {
+    const std::lock_guard lock(pump_mutex_);
+    if (pump_ == nullptr) return tl::unexpected(no_pump());
+    pump_->call([job = std::move(job), done] {
+      job();
+      done->set_value();
+    });
+  }
   if (finished.wait_for(kPatience) == std::future_status::ready) return {};
   return fail(ErrorCode::kTimeout, "the bridge is busy or stops; try again");
 }
 
+Status HandDesk::keep_time(const HandCommand& command, TimeNs now_ns) {
+  if (command.beats_a_minute != 0) return tempo_->set(command.beats_a_minute, now_ns);
+  tempo_->tap(now_ns);
+  return {};
+}
+
 Result<int> HandDesk::apply(const HandCommand& command) {
+  if (command.action == HandAction::kTempo) {
+    FL_TRY(keep_time(command, clock_.now_ns()));
+    return 0;
+  }
   const auto result = std::make_shared<Result<int>>(0);
   const auto given_up = std::make_shared<std::atomic<bool>>(false);
   const bool remembers = concerns_memory(command);
@@ -96,8 +116,10 @@ Status HandDesk::remember() {
 Result<HandReport> HandDesk::report() {
   const auto report = std::make_shared<HandReport>();
   FL_TRY(on_pump([this, report] {
+    report->beats_a_minute = tempo_->beats_a_minute();
     if (source_ == nullptr) return;
-    *report = {source_->blacked_out(), source_->holding(), source_->fade_count(), source_->held()};
+    *report = {source_->blacked_out(), source_->holding(), source_->fade_count(), report->beats_a_minute,
+               source_->held()};
   }));
   return std::move(*report);
 }
@@ -106,12 +128,14 @@ Result<int> HandDesk::apply_now(const HandCommand& command) {
   // Without a source nothing is set: there is nothing to release or to end.
   const bool ends = command.action == HandAction::kReleaseAll || command.action == HandAction::kLift;
   if (source_ == nullptr && ends) return 0;
+  if (pump_ == nullptr) return tl::unexpected(no_pump());
   if (source_ == nullptr) {
-    universes_ = pump_.universes();
+    universes_ = pump_->universes();
     auto source = std::make_unique<HandSource>(universes_);
     FL_ASSIGN(const int slots, source->apply(command, clock_.now_ns()));
     source_ = std::move(source);
-    pump_.add_source(*source_, {.may_override = true});
+    source_->show_in(shown_);
+    pump_->add_source(*source_, {.may_override = true});
     dark_.store(source_->blacked_out() || source_->holding());
     return slots;
   }
@@ -121,19 +145,51 @@ Result<int> HandDesk::apply_now(const HandCommand& command) {
 }
 
 void HandDesk::follow_pump() {
-  if (source_ == nullptr || universes_ == pump_.universes()) return;
-  pump_.remove_source(*source_);
-  universes_ = pump_.universes();
+  if (source_ == nullptr || universes_ == pump_->universes()) return;
+  pump_->remove_source(*source_);
+  universes_ = pump_->universes();
   source_->move_to(universes_);
-  pump_.add_source(*source_, {.may_override = true});
+  pump_->add_source(*source_, {.may_override = true});
+}
+
+void HandDesk::join(Pump& pump, std::span<Source* const> ports) {
+  const std::lock_guard lock(pump_mutex_);
+  FL_CHECK(pump_ == nullptr);
+  pump_ = &pump;
+  pump.call([this, list = std::vector<Source*>(ports.begin(), ports.end())] {
+    if (source_ != nullptr) {
+      universes_ = pump_->universes();
+      source_->move_to(universes_);
+      pump_->add_source(*source_, {.may_override = true});
+    }
+    for (Source* port : list) pump_->add_source(*port);
+  });
+}
+
+void HandDesk::leave(std::span<Source* const> ports) {
+  const auto done = std::make_shared<std::promise<void>>();
+  const auto left = done->get_future();
+  {
+    const std::lock_guard lock(pump_mutex_);
+    if (pump_ == nullptr) return;
+    pump_->call([this, done, list = std::vector<Source*>(ports.begin(), ports.end())] {
+      for (Source* port : list) pump_->remove_source(*port);
+      if (source_ != nullptr) pump_->remove_source(*source_);
+      const std::lock_guard cleared(pump_mutex_);
+      pump_ = nullptr;
+      done->set_value();
+    });
+  }
+  left.wait();
 }
 
 // --- Ports of controls -----------------------------------------------------------------------------------------------
 
 Status HandDesk::take(const HandCommand& command, TimeNs now_ns) {
+  if (command.action == HandAction::kTempo) return keep_time(command, now_ns);
   if (source_ == nullptr) {
     // The pump takes sources between two ticks only.
-    pump_.call([this, command] {
+    pump_->call([this, command] {
       const auto applied = apply_now(command);
       if (!applied) report_trouble(applied.error());
       if (applied && concerns_memory(command)) remember_later();

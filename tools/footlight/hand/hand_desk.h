@@ -9,6 +9,9 @@
 // Ports of controls (OSC, MIDI) reach it as their HandTaker. What they cause on a disk, reading a scene and remembering
 // a blackout, is done by a thread that begins with the first such task.
 //
+// A desk may change its pump: a window has another one when live inputs come or go (leave(), join()). What is set
+// stays.
+//
 // Threads: apply() and report() any but the pump's; the rest as stated.
 #pragma once
 
@@ -18,6 +21,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -27,6 +31,7 @@
 #include "sim/core/result.h"
 #include "sim/hand.h"
 #include "sim/pump.h"
+#include "sim/tempo.h"
 
 namespace footlight::tools {
 
@@ -34,6 +39,7 @@ struct HandReport {
   bool blackout = false;
   bool hold = false;
   std::size_t fades = 0;
+  double beats_a_minute = kTempoDefault;  // of made-up inputs
   std::vector<HandSource::Held> held;
 };
 
@@ -41,10 +47,24 @@ class HandDesk final : public HandTaker {
  public:
   // Both outlive the desk. The desk outlives every run of the pump.
   HandDesk(Pump& pump, Clock& clock, NoticeReceiver on_notice = {})
-      : pump_(pump), clock_(clock), on_notice_(std::move(on_notice)) {}
+      : pump_(&pump), clock_(clock), on_notice_(std::move(on_notice)) {}
+  // Without a pump, until join(). `shown`: as HandSource::show_in(); it outlives the desk.
+  HandDesk(Clock& clock, NoticeReceiver on_notice, HandShown* shown)
+      : clock_(clock), on_notice_(std::move(on_notice)), shown_(shown) {}
   ~HandDesk() override;
   HandDesk(const HandDesk&) = delete;
   HandDesk& operator=(const HandDesk&) = delete;
+
+  // The tempo that commands and controls set. Before anything is applied; null, as at first: it has one of its own.
+  void share_tempo(std::shared_ptr<Tempo> tempo) {
+    if (tempo != nullptr) tempo_ = std::move(tempo);
+  }
+
+  // Takes everything to a pump that runs, and its ports of controls with it. leave() waits until that pump has let go
+  // of all; nothing is applied before the next join(). Both for one thread that is no pump's. The ports outlive the
+  // stay.
+  void join(Pump& pump, std::span<Source* const> ports);
+  void leave(std::span<Source* const> ports);
 
   // Before the pump runs. `path`: of the file that remembers a blackout; "": none. True if the bridge starts dark.
   bool remember_in(std::string path);
@@ -66,14 +86,18 @@ class HandDesk final : public HandTaker {
   void remember_later();
   void need_worker();
   Result<int> apply_now(const HandCommand& command);
+  [[nodiscard]] Status keep_time(const HandCommand& command, TimeNs now_ns);
   void do_later(std::function<void()> task);
   void work();
   [[nodiscard]] Status recall_now(const SceneCall& call);
   void report_trouble(const Error& error) const;
 
-  Pump& pump_;
+  std::mutex pump_mutex_;  // guards pump_ but on the pump's thread, which alone clears it
+  Pump* pump_ = nullptr;
   Clock& clock_;
   const NoticeReceiver on_notice_;  // any thread
+  HandShown* const shown_ = nullptr;
+  std::shared_ptr<Tempo> tempo_ = std::make_shared<Tempo>();
   std::string memory_path_;
   std::mutex memory_mutex_;         // guards the file
   std::atomic<bool> dark_ = false;  // blackout or a hold is on; set on the pump's thread, before the file is written

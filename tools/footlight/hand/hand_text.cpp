@@ -13,7 +13,7 @@ constexpr std::string_view kVersionWord = "footlight-hand ";
 constexpr std::string_view kPlaceExample =
     "expected UNIVERSE.ADDRESS as in 1.17, a range as in 1.1-12, 1.* for a universe, or 1.17+18 for 16 bits";
 
-constexpr std::array<std::pair<HandAction, std::string_view>, 7> kActions = {{
+constexpr std::array<std::pair<HandAction, std::string_view>, 8> kActions = {{
     {HandAction::kSet, "set"},
     {HandAction::kRelease, "release"},
     {HandAction::kReleaseAll, "release-all"},
@@ -21,6 +21,7 @@ constexpr std::array<std::pair<HandAction, std::string_view>, 7> kActions = {{
     {HandAction::kLift, "blackout-off"},
     {HandAction::kHold, "hold"},
     {HandAction::kRenew, "renew"},
+    {HandAction::kTempo, "tempo"},
 }};
 
 // The whole text as a number.
@@ -130,6 +131,11 @@ Status parse_part(std::string_view line, HandCommand& command) {
       return fail(ErrorCode::kBadInput, "expected a time of at most 24 h in nanoseconds, got {}", line);
     }
     return {};
+  }
+  if (after("beats ")) {
+    const bool read = read_whole(line, command.beats_a_minute) && std::isfinite(command.beats_a_minute);
+    if (read && command.action == HandAction::kTempo) return {};
+    return fail(ErrorCode::kBadInput, "expected a number of beats a minute, of the action tempo, got {}", line);
   }
   const std::size_t before = command.levels.size();
   const bool jumps = after("jump ");
@@ -242,6 +248,9 @@ std::string hand_message(const HandCommand& command) {
       std::find_if(kActions.begin(), kActions.end(), [&](const auto& each) { return each.first == command.action; });
   std::string text = fmt::format("{}{}\n{}\npriority {}\nover {}\n", kVersionWord, kHandVersion, action->second,
                                  command.priority, command.over_ns);
+  if (command.action == HandAction::kTempo && command.beats_a_minute != 0) {
+    text += fmt::format("beats {}\n", command.beats_a_minute);
+  }
   if (command.action != HandAction::kRelease) {
     for (const std::string& line : assignments_of(command.levels)) text += line + "\n";
     return text;

@@ -45,7 +45,8 @@ struct HandNumber {
 //   1.1-12=0
 //   jump 1.20=40
 //
-// Actions: set, release, release-all, blackout, blackout-off, hold, renew.
+// Actions: set, release, release-all, blackout, blackout-off, hold, renew, tempo. "tempo" is a tap, or has a line
+// "beats 128.5": that many a minute.
 inline constexpr int kHandVersion = 1;
 inline constexpr std::size_t kHandMessageBytesMax = 256u << 10;
 inline constexpr std::size_t kHandLevelsMax = 1u << 18;  // of one message: all slots of 512 universes

@@ -81,6 +81,11 @@ std::optional<double> MidiHand::share_of(Mapped& mapped, const drivers::MidiEven
 }
 
 bool MidiHand::obey(const drivers::MidiEvent& event, TimeNs now_ns) {
+  HandLearner& learner = options_.link->learner;
+  // The end of a key that was held before is no choice.
+  if (learner.waits() && (event.kind != drivers::MidiKind::kNote || event.value > 0)) {
+    return learner.take(options_.name, drivers::midi_input_text(event));
+  }
   HandTaker* const taker = options_.link->taker;
   if (taker == nullptr) return false;
   bool any = false;

@@ -181,6 +181,8 @@ bool OscHand::set_slots(std::string_view place, const drivers::OscMessage& messa
 }
 
 bool OscHand::obey(const drivers::OscMessage& message, TimeNs now_ns) {
+  HandLearner& learner = options_.link->learner;
+  if (learner.waits() && message.all_numbers) return learner.take(options_.name, std::string(message.address));
   if (options_.link->taker == nullptr) return false;
   if (const auto found = controls_.find(message.address); found != controls_.end()) {
     const auto share = share_of(message), press = press_of(message);
@@ -189,9 +191,9 @@ bool OscHand::obey(const drivers::OscMessage& message, TimeNs now_ns) {
     bool done = true;
     for (Control& control : found->second) {
       const bool is_tap = control.is_button() && message.number_count == 0;
-      done = (is_tap ? control.tap(now_ns, taker)
-                     : control.move(control.is_button() ? *press : *share, now_ns, taker)) &&
-             done;
+      done =
+          (is_tap ? control.tap(now_ns, taker) : control.move(control.is_button() ? *press : *share, now_ns, taker)) &&
+          done;
     }
     return done;
   }
@@ -201,6 +203,14 @@ bool OscHand::obey(const drivers::OscMessage& message, TimeNs now_ns) {
   const auto press = press_of(message);
   if (!press) return false;
   const bool pressed = *press >= 0.5;
+  if (rest == "tap" || rest == "tempo") {
+    const bool taps = rest == "tap";
+    if (taps ? !pressed : message.number_count != 1) return false;
+    command_.action = HandAction::kTempo;
+    command_.beats_a_minute = taps ? 0 : message.numbers[0];
+    command_.levels.clear();
+    return (taps || command_.beats_a_minute != 0) && give(command_, now_ns);
+  }
   constexpr std::string_view kReleasePath = "release/", kScenePath = "scene/";
   if (rest == "blackout" || rest == "release") {
     if (rest == "release" && !pressed) return false;

@@ -5,6 +5,7 @@
 //   /footlight/fixture/Mover_3/Tilt 0.5    of the attribute's range; needs a rig
 //   /footlight/blackout 1            0: off; without an argument: on
 //   /footlight/release               everything; /footlight/release/1/17: one slot
+//   /footlight/tempo 128             beats a minute, of made-up inputs; /footlight/tap: a tap, with 0 nothing
 //   /footlight/scene/Warm            with 0 nothing happens, so that a button recalls once
 //
 // and the addresses of a control map. In names, characters that OSC reserves (space # * , ? [ ] { } and /) are

@@ -33,6 +33,9 @@ class LiveLevels {
   // One more source, while the pump runs.
   void add(std::unique_ptr<Source> source);
 
+  // The pump that runs, for ports that come and go.
+  [[nodiscard]] Pump& pump() { return *pump_; }
+
   // Copies the snapshots that changed since the last call.
   void take();
   // As of the last take(): universes().size() x 512 levels, and a stamp for each.

@@ -115,6 +115,7 @@ void Preview::open_inputs_again(const PreviewScene& before) {
   hand_ = hand_ ? moved_hand(*hand_, before, *framed_) : std::make_unique<HandLevels>(framed_->rig, framed_->compiled);
   frame_->settle_machine_air(hand_->levels());
   if (outputs_) outputs_->black_out();  // real lamps must not follow faders that nobody has set
+  if (const Status rests = rest_hand(); !rests) tell(rests.error());
   tell("faders drive the rig, the inputs are closed: " + opened.error().message, true);
 }
 
@@ -139,6 +140,7 @@ Status Preview::take_scene(const PreviewScene& before) {
     hand_ = moved_hand(*hand_, before, *framed_);
     frame_->settle_machine_air(hand_->levels());
   }
+  if (!live_) FL_TRY(rest_hand());
   facts_.fixtures.clear();
   for (const auto& fixture : framed_->rig.fixtures) facts_.fixtures.push_back(fixture.name);
   facts_.can_haze = framed_->compiled.needs.haze;

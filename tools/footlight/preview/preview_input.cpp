@@ -60,7 +60,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
   };
   begin_gesture([](ImGuiMouseButton button) { return ImGui::IsMouseClicked(button); });
   std::optional<UiCall> chosen;
-  draw_panel(facts_, controls_, live_.get(), hand_.get(), window_->ui_scale(),
+  draw_panel(facts_, controls_, shown_levels(), hand_.get(), window_->ui_scale(),
              [&] { chosen = draw_menu(*desk_, panels_, player_ != nullptr, outputs_ ? &outputs_view_ : nullptr); });
   if (const Exposure shown{controls_.exposure_ev, controls_.auto_exposure}; shown != desk_->state().exposure) {
     desk_->set_exposure(shown);
@@ -70,7 +70,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
     UiInput input;
     input.levels = panel_levels();
     if (live_ && desk_->compiled().universes == framed_->compiled.universes) input.stamps = live_->stamps();
-    if (live_) input.status = &facts_.status;
+    if (shown_levels() != nullptr) input.status = &facts_.status;
     if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
     if (curve_ && strips_) input.strips = &strips_->strips;
@@ -106,6 +106,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
   const auto width = static_cast<float>(where.size.x);
   const float below = outputs_ ? draw_live_band(outputs_view_, width, window_->ui_scale()) : 0;
   draw_made_up_tag(inputs_view_, width, below);
+  if (recording_) draw_recording_mark(recording_->elapsed_ns(), window_->ui_scale());
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
   window_->end_ui();
   ui_times_.add(static_cast<double>(clock_.now_ns() - begun_ns) * 1e-6);
@@ -322,6 +323,8 @@ void Preview::call(const UiCall& call) {
     case UiAction::kBlackout:
     case UiAction::kEndBlackout:
     case UiAction::kDisarm: break;  // of call_outputs()
+    case UiAction::kRecord: toggle_recording(); break;
+    case UiAction::kTap: tap(); break;
     case UiAction::kPalette: palette_.open(); break;
     case UiAction::kEscape: closing_ = !close_topmost(panels_, *desk_) || closing_; break;
   }

@@ -17,8 +17,8 @@ Result<std::unique_ptr<Source>> Preview::open_input(const std::string& text, boo
     const bool all = text.find('=') == std::string::npos;
     std::vector<Universe> universes = all ? framed_->compiled.universes : endpoint.show_universes();
     std::sort(universes.begin(), universes.end());
-    auto source =
-        std::make_unique<PatternSource>(text, pattern, rig_pattern(framed_->rig, framed_->compiled, universes));
+    auto source = std::make_unique<PatternSource>(
+        text, pattern, rig_pattern(framed_->rig, framed_->compiled, universes), opener_.tempo);
     patterns_.push_back(source.get());
     return source;
   }
@@ -40,28 +40,40 @@ void Preview::follow_patterns() {
 // Once a picture: what there is, and what the user asks for.
 void Preview::follow_inputs() {
   InputsView& view = inputs_view_;
+  follow_hand();
   if (const auto text = std::exchange(view.add, std::nullopt)) {
     const Status added = add_input(*text);
     view.refusal = added ? "" : added.error().message;
   }
   if (const auto text = std::exchange(view.remove, std::nullopt)) remove_input(*text);
   view.inputs = ins_;
+  view.inputs.insert(view.inputs.end(), controls_in_.begin(), controls_in_.end());
   view.made_up.clear();
-  for (const std::string& text : ins_) {
+  for (const std::string& text : view.inputs) {
     const auto endpoint = parse_port(text);
     if (endpoint && is_made_up(*endpoint)) view.made_up.push_back(text);
   }
-  view.why_not = player_ != nullptr       ? "A log drives the rig; start the window without it to add inputs."
-                 : outputs_view_.any_on() ? "Disarm the outputs to add inputs: real lamps would follow them."
-                                          : "";
+  view.why_not =
+      player_ != nullptr
+          ? "A log drives the rig; start the window without it to add inputs of levels. Controls can be added."
+      : outputs_view_.any_on() ? "Disarm the outputs to add inputs: real lamps would follow them."
+                               : "";
 }
 
 Status Preview::add_input(const std::string& text) {
-  if (player_ != nullptr || outputs_view_.any_on()) return {};
-  if (std::find(ins_.begin(), ins_.end(), text) != ins_.end()) {
+  const auto& there = inputs_view_.inputs;
+  if (std::find(there.begin(), there.end(), text) != there.end()) {
     return fail(ErrorCode::kBadInput, "{}: it is in the list already", text);
   }
+  FL_ASSIGN(const bool control, is_control(text));
+  if (!control && !inputs_view_.why_not.empty()) return fail(ErrorCode::kBadInput, "{}", inputs_view_.why_not);
   FL_ASSIGN(std::unique_ptr<Source> source, open_input(text, false));
+  if (control) {
+    layer_->add_control(std::move(source));
+    controls_in_.push_back(text);
+    tell(text + " sets levels by hand");
+    return {};
+  }
   if (live_) {
     live_->add(std::move(source));
   } else {
@@ -69,6 +81,7 @@ Status Preview::add_input(const std::string& text) {
     sources.push_back(std::move(source));
     if (const Status started = start_live(std::move(sources)); !started) {
       close_inputs();
+      FL_TRY(rest_hand());
       return started;
     }
     resting_hand_ = std::move(hand_);
@@ -81,6 +94,7 @@ Status Preview::add_input(const std::string& text) {
 }
 
 void Preview::remove_input(const std::string& text) {
+  if (std::erase(controls_in_, text) > 0) return layer_->remove_control(text);
   const auto at = std::find(ins_.begin(), ins_.end(), text);
   if (at == ins_.end()) return;
   ins_.erase(at);
@@ -92,10 +106,12 @@ void Preview::remove_input(const std::string& text) {
   resting_scene_.reset();
   frame_->settle_machine_air(hand_->levels());
   if (outputs_ && outputs_view_.any_on()) outputs_->black_out();  // real lamps must not follow faders at once
+  if (const Status rests = rest_hand(); !rests) tell(rests.error());
   tell("faders drive the rig again");
 }
 
 void Preview::close_inputs() {
+  layer_->leave();
   live_timeline_.reset();
   patterns_.clear();
   live_.reset();

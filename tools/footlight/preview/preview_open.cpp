@@ -133,7 +133,7 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
 // that loads quickly is read first, so that its errors are printed before the window opens.
 Result<bool> Preview::open(const StopSignal& signal) {
   FL_ASSIGN(const PictureSize size, parse_size(options_.size));
-  if (!options_.ins.empty() && !options_.files.log.empty()) {
+  if (!starts_without_inputs_ && !options_.files.log.empty()) {
     return fail(ErrorCode::kBadInput, "--log and --in: expected one of them");
   }
   FL_TRY(check_panel_words(options_.panels));
@@ -145,6 +145,7 @@ Result<bool> Preview::open(const StopSignal& signal) {
   const auto take_rig = [&]() -> Status {
     FL_ASSIGN(camera, find_camera(framed_->rig, options_.camera));
     FL_TRY(open_outputs(options_.outputs));
+    FL_TRY(open_hand());
     return open_levels();
   };
   const bool quick = reading.wait_for(kQuickRead) == std::future_status::ready;
@@ -215,6 +216,7 @@ Status Preview::start_live(std::vector<std::unique_ptr<Source>> sources) {
   live_timeline_ =
       std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_), clock_.now_ns());
   live_timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
+  layer_->join(*live_);
   return {};
 }
 
@@ -236,7 +238,7 @@ Status Preview::open_levels(bool again) {
   } else {
     hand_ = std::make_unique<HandLevels>(framed_->rig, framed_->compiled);
   }
-  return {};
+  return rest_hand();
 }
 
 // The knobs for --error or --ms.

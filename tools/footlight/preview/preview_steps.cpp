@@ -35,7 +35,7 @@ std::unique_ptr<LogPlayer> Preview::make_player(SharedScene scene) {
 }
 
 LogPlayer::Driven Preview::driven() {
-  return {*device_, *frame_, desk_->overlays(),
+  return {*device_, *frame_, desk_->overlays() || layer_->overlays(),
           [this](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
             give(levels, dt_ns, new_exposure);
           },
@@ -57,13 +57,17 @@ Status Preview::work_at_index() {
   return {};
 }
 
-// One step of the fixtures and of what the panels follow, with what the user has taken over.
+// One step of the fixtures and of what the panels follow, with what the user has set and taken over.
 void Preview::give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure) {
-  if (desk_->overlays()) {
+  if (desk_->overlays() || layer_->overlays()) {
     overlaid_.assign(levels.begin(), levels.end());
+    layer_->overlay(framed_->compiled.universes, overlaid_);
     desk_->overlay(overlaid_);
+    layer_->darken(framed_->compiled.universes, overlaid_);
     levels = overlaid_;
   }
+  if (recording_ && !player_) recording_->take(step_ns_, framed_->compiled.universes, levels);
+  step_ns_ += dt_ns;
   frame_->step(levels, dt_ns, new_exposure);
   panels_.step(levels, dt_ns, new_exposure);
 }
@@ -73,7 +77,7 @@ std::span<const std::uint8_t> Preview::panel_levels() {
   const std::span<const std::uint8_t> newest = live_ ? live_->levels() : hand_ ? hand_->levels() : player_->levels();
   const auto& universes = desk_->compiled().universes;
   const auto& given = framed_->compiled.universes;
-  if (!desk_->overlays() && universes == given) return newest;
+  if (!desk_->overlays() && !layer_->overlays() && universes == given) return newest;
   // The rig may have been edited since, and its frame is not yet there.
   panel_levels_.assign(universes.size() * kSlotCountMax, 0);
   for (std::size_t i = 0; i < universes.size(); ++i) {
@@ -83,7 +87,9 @@ std::span<const std::uint8_t> Preview::panel_levels() {
     std::copy_n(newest.begin() + static_cast<std::ptrdiff_t>(from), kSlotCountMax,
                 panel_levels_.begin() + static_cast<std::ptrdiff_t>(i * kSlotCountMax));
   }
+  layer_->overlay(universes, panel_levels_);
   desk_->overlay(panel_levels_);
+  layer_->darken(universes, panel_levels_);
   return panel_levels_;
 }
 
@@ -109,9 +115,11 @@ Status Preview::step_levels() {
   if (live_) {
     live_->take();
     const TimeNs until_ns = std::max(last_ns_ - kWireDelayNs, live_timeline_->now_ns());
+    step_ns_ = live_timeline_->now_ns();
     return advance_frame(*live_timeline_, *frame_, until_ns, std::min(dt_ns, LogPlayer::kExposureNs), driven().step);
   }
   if (hand_) {
+    step_ns_ = last_ns_ - dt_ns;
     give(hand_->levels(), dt_ns, true);
     return {};
   }
@@ -132,11 +140,13 @@ Status Preview::step_meanwhile() {
   frame_->adapt_for(dt_ns);
   if (player_) return player_->turn(controls_.transport, dt_ns, holding);
   if (hand_) {
+    step_ns_ = last_ns_ - dt_ns;
     give(hand_->levels(), dt_ns, true);
     return {};
   }
   live_->take();
   const TimeNs until_ns = std::max(last_ns_ - kWireDelayNs, live_timeline_->now_ns());
+  step_ns_ = live_timeline_->now_ns();
   return live_timeline_->advance(until_ns, std::min(dt_ns, LogPlayer::kExposureNs), holding.step);
 }
 

@@ -45,6 +45,7 @@ bool other_display(const PreviewControls& controls, const render::FrameSettings&
 Result<int> Preview::run() {
   const Result<int> result = open_and_turn();
   outputs_.reset();  // also after an error: real lamps go dark before anything else is waited for
+  end_recording();
   end_edits();
   return result;
 }
@@ -59,6 +60,7 @@ Result<int> Preview::open_and_turn() {
   if (const char* submits = std::getenv("FOOTLIGHT_LOSE_WINDOW"); submits != nullptr) {
     window_device_->lose_after(std::strtoull(submits, nullptr, 10));
   }
+  if (!options_.record.empty()) FL_TRY(start_recording(options_.record));
   while (!signal.came() && !((window_->wants_close() || closing_) && may_close())) {
     Status turned = turn();
     if (!turned && (device_->lost() || window_device_->lost())) turned = start_again(turned.error());
@@ -141,6 +143,7 @@ Status Preview::turn_stage(const PixelRect& where) {
   FL_TRY(update_error());
   follow_inputs();
   FL_TRY(step_levels());
+  keep_recording();
   show_videos();
   if (window_->minimised()) {  // the fixtures continue without pictures
     picture_since_ns_ = -1;
@@ -255,8 +258,8 @@ void Preview::read_second() {
   facts_.fps = static_cast<double>(second_frames_) * 1e9 / static_cast<double>(since_ns);
   second_ns_ = facts_.now_ns;
   second_frames_ = 0;
+  if (const LiveLevels* shown = shown_levels()) facts_.status = shown->status();
   if (live_) {
-    facts_.status = live_->status();
     for (std::string& notice : live_->notices()) {
       if (!options_.json) fmt::print(stderr, "footlight: {}\n", notice);
       tell(notice);

@@ -30,6 +30,7 @@
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/edited_scene.h"
 #include "tools/footlight/preview/frame_times.h"
+#include "tools/footlight/preview/hand_layer.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/live_levels.h"
 #include "tools/footlight/preview/live_outputs.h"
@@ -37,6 +38,7 @@
 #include "tools/footlight/preview/preview.h"
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
+#include "tools/footlight/preview/recording.h"
 #include "tools/footlight/preview/stage_picture.h"
 #include "tools/footlight/preview/ui/inputs_view.h"
 #include "tools/footlight/preview/ui/keys.h"
@@ -65,7 +67,7 @@ class Preview {
   [[nodiscard]] bool opened() const { return picture_ns_ >= 0; }
 
   // The options outlive this.
-  explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_), ins_(options.ins) {}
+  explicit Preview(const PreviewOptions& options);
 
   // Until the window is closed.
   Result<int> run();
@@ -124,8 +126,24 @@ class Preview {
   [[nodiscard]] static std::optional<fixtures::VrslReplay> vrsl_replay(const PreviewScene& scene);
   // True if neither a log nor an input drove the rig at the start.
   [[nodiscard]] bool by_hand() const {
-    return options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
+    return starts_without_inputs_ && options_.files.log.empty() && !options_.files.demo;
   }
+
+  // Levels by hand over all of it: preview_hand.cpp.
+  Status open_hand();
+  Status rest_hand();
+  void follow_hand();
+  void tap();
+  void learn();
+  Status add_learnt(const HandLearner::Moved& moved);
+  Status reopen_control(const std::string& before, const std::string& after);
+  [[nodiscard]] const LiveLevels* shown_levels() { return live_ ? live_.get() : layer_ ? layer_->shown() : nullptr; }
+
+  // Recordings: preview_recording.cpp.
+  Status start_recording(const std::string& path);
+  void toggle_recording();
+  void end_recording();
+  void keep_recording();
 
   // Markers of the log: preview_markers.cpp.
   void open_markers();
@@ -224,11 +242,17 @@ class Preview {
   std::unique_ptr<Timeline> live_timeline_;
   std::unique_ptr<HandLevels> hand_;
   std::vector<std::string> ins_;          // endpoints of live_; with hand_: those that could not be opened
+  std::vector<std::string> controls_in_;  // endpoints of controls, of layer_
+  const bool starts_without_inputs_;      // no endpoint of the options is an input of levels
   std::vector<PatternSource*> patterns_;  // of live_
+  std::string learns_for_;                // the target of the control that is being learnt
   InputsView inputs_view_;
   std::unique_ptr<HandLevels> resting_hand_;  // from before the first input that was added, of resting_scene_
   SharedScene resting_scene_;
+  std::unique_ptr<HandLayer> layer_;  // over all of them; ends before they do
 
+  std::unique_ptr<Recording> recording_;  // null: nothing is recorded
+  TimeNs step_ns_ = 0;                    // when the step that is given next begins, of live inputs and faders
   std::unique_ptr<LiveOutputs> outputs_;  // null: there are none
   OutputsView outputs_view_;
   DisplayVideos videos_;             // of displays; without those that have failed

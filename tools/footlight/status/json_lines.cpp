@@ -178,6 +178,7 @@ std::string json_of_hand(const HandReport& report, const std::string& rig) {
                   {"blackout", report.blackout},
                   {"hold", report.hold},
                   {"fades", report.fades},
+                  {"beats_a_minute", std::round(report.beats_a_minute * 1e3) / 1e3},
                   {"rig", rig},
                   {"held", held}});
 }

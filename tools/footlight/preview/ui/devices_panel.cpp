@@ -191,9 +191,27 @@ class DevicesPanel final : public Panel {
       if (ImGui::SmallButton("remove")) view.remove = endpoint;
       ImGui::PopID();
     }
-    ImGui::BeginDisabled(!view.why_not.empty());
+    if (!view.by_hand.empty()) {
+      ui_text(kUiGreen, view.by_hand);
+      ImGui::SameLine();
+      if (ImGui::SmallButton("release all")) view.release_hand = true;
+    }
+    if (view.dark_by_hand) {
+      ui_text(kUiRed, "BLACKOUT by hand");
+      ImGui::SameLine();
+      if (ImGui::SmallButton("end it")) view.end_hand_blackout = true;
+    }
+    if (view.learns) {
+      ui_text(kUiAmber, "Move one fader, knob or button.");
+      ImGui::SameLine();
+      if (ImGui::SmallButton("stop")) view.stop_learning = true;
+    } else if (view.has_controls) {
+      if (const auto asked = draw_field("a control", "for 1.17, Mover 3:Tilt", learn_text_, "learn"))
+        view.learn = asked;
+    }
     if (const auto asked = draw_field("input", "sacn:1-9", input_text_)) view.add = asked;
     ImGui::SameLine(0, 16 * scale);
+    ImGui::BeginDisabled(!view.why_not.empty());
     ui_text(kUiDim, "or made up:");
     for (const std::string_view word : kPatternWords) {
       const std::string endpoint = fmt::format("mock:{}", word);
@@ -202,18 +220,24 @@ class DevicesPanel final : public Panel {
       if (ImGui::SmallButton(fmt::format("add {}", word).c_str())) view.add = endpoint;
     }
     ImGui::EndDisabled();
+    if (view.has_patterns) {
+      ui_text(kUiDim, fmt::format("{:.1f} beats a minute", view.beats_a_minute));
+      ImGui::SameLine();
+      if (ImGui::SmallButton("tap (N)")) view.tap = true;
+    }
     if (!view.refusal.empty()) wrapped(kUiRed, view.refusal);
     if (!view.why_not.empty()) wrapped(kUiDim, view.why_not);
   }
 
   // A field for an endpoint. Enter or its button adds what it has.
-  static std::optional<std::string> draw_field(const char* what, const char* example, std::array<char, 160>& text) {
+  static std::optional<std::string> draw_field(const char* what, const char* example, std::array<char, 160>& text,
+                                               const char* verb = "add") {
     ImGui::PushID(what);
     ImGui::SetNextItemWidth(ImGui::GetFontSize() * 12);
     constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll;
     bool adds = ImGui::InputTextWithHint("##endpoint", example, text.data(), text.size(), kFlags);
     ImGui::SameLine();
-    adds = ImGui::Button(fmt::format("add {}", what).c_str()) || adds;
+    adds = ImGui::Button(fmt::format("{} {}", verb, what).c_str()) || adds;
     ImGui::PopID();
     const std::string asked = text.data();
     if (!adds || asked.empty()) return std::nullopt;
@@ -234,6 +258,11 @@ class DevicesPanel final : public Panel {
       }
     }
     cell(kUiText, show_universes(universes));
+    if (universes.empty()) {  // a control: its events
+      cell(kUiText, fmt::format("{}", port.port.frames));
+      cell(kUiDim, "-");
+      return cell(kUiDim, "-");
+    }
     rate_cells(port);
     line_cells(&port, line);
     cell(newest_ns == 0 ? kUiDim : kUiText, newest_ns == 0 ? "none yet" : age_text(input.status->stamp_ns - newest_ns));
@@ -243,7 +272,8 @@ class DevicesPanel final : public Panel {
   static void draw_trouble(const PortStatus& port, bool known) {
     if (!port.trouble.empty()) {
       wrapped(kUiRed, port.trouble);
-    } else if (known && !port.is_sink && port.frames == 0 && port.state != PortState::kEnded) {
+    } else if (known && !port.is_sink && !port.universes.empty() && port.frames == 0 &&
+               port.state != PortState::kEnded) {
       wrapped(kUiAmber,
               fmt::format("{}: no frames yet. Start the sender; `footlight doctor` checks this machine.", port.name));
     }
@@ -476,6 +506,7 @@ class DevicesPanel final : public Panel {
   Universe universe_ = kUniverseMin;
   std::array<char, 160> input_text_{};
   std::array<char, 160> output_text_{};
+  std::array<char, 160> learn_text_{};
 };
 
 }  // namespace

@@ -12,15 +12,27 @@ struct InputsView {
   // What is.
   std::vector<std::string> inputs;   // endpoints
   std::vector<std::string> made_up;  // of them, those that are models of devices, and patterns
-  std::string why_not;               // why none can be added now; empty: it can
+  std::string why_not;               // why none but controls can be added now; empty: it can
+  std::string by_hand;               // "12 slots are set by hand"; empty: none is
+  bool dark_by_hand = false;         // a blackout of 'footlight blackout' or a control is on
   std::string refusal;               // why the last one that was to be added was not; empty: it was
+
+  double beats_a_minute = 120;  // of patterns among the made-up inputs
+  bool has_patterns = false;    // there is a made-up input with a tempo
+  bool has_controls = false;    // there is an input of OSC or MIDI
+  bool learns = false;          // the next control that moves is added to its map
 
   // What the user asks for; the loop carries it out and resets it.
   std::optional<std::string> add;  // "mock:chase", "sacn:1-9"
   std::optional<std::string> remove;
+  bool release_hand = false;  // all slots that are set by hand
+  bool end_hand_blackout = false;
+  bool tap = false;                  // of the tempo
+  std::optional<std::string> learn;  // what the next control that moves is for, as "1.17"
+  bool stop_learning = false;
 };
 
-// "MADE UP: mock:chase", "MADE UP: 2 inputs"; empty: there is none.
+// "BLACKOUT by hand", "MADE UP: mock:chase", "MADE UP: 2 inputs"; empty: there is none.
 [[nodiscard]] std::string made_up_words(const InputsView& view);
 
 }  // namespace footlight::tools

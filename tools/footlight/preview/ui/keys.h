@@ -59,6 +59,8 @@ enum class UiAction {
   kBlackout,  // of all armed outputs
   kEndBlackout,
   kDisarm,  // all outputs; no key arms one
+  kRecord,  // begins and ends a recording
+  kTap,     // of the tempo of made-up inputs
   kPalette,
   kEscape,
 };

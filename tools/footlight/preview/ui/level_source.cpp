@@ -8,33 +8,53 @@
 
 namespace footlight::tools {
 
-LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::size_t universe) {
-  if (universe >= input.stamps.size()) {
-    if (input.transport != nullptr) return {SourceKind::kLog, "log", "the log"};
-    if (input.status != nullptr) return {SourceKind::kLive, "input", "levels as the fixtures get them"};
-    return {SourceKind::kFaders, "faders", "faders of the window"};
-  }
-  const FrameStamp& stamp = input.stamps[universe];
-  if (stamp.revision == 0) return {SourceKind::kNobody, "no frames", "no frames yet"};
-  LevelSource source{SourceKind::kLive};
-  source.age_ns = std::max<DurationNs>(input.now_ns - stamp.stamp_ns, 0);
-  source.silent = source.age_ns >= kSilentNs;
-  if (input.status == nullptr) return source;
+namespace {
+
+// The senders that win a universe, and their rate.
+void add_senders(const UiInput& input, Universe universe, LevelSource& source) {
+  if (input.status == nullptr) return;
+  std::string brief;
+  std::string words;
   for (const UniverseStatus& one : input.status->universes) {
-    if (one.universe != desk.compiled().universes[universe]) continue;
+    if (one.universe != universe) continue;
     std::size_t losers = 0;
     for (const SenderStatus& sender : one.senders) {
       if (!sender.wins) {
         ++losers;
         continue;
       }
-      source.brief += (source.brief.empty() ? "" : " + ") + sender.name;
-      source.words +=
-          fmt::format("{}{} (priority {})", source.words.empty() ? "" : " + ", sender.name, sender.priority);
+      brief += (brief.empty() ? "" : " + ") + sender.name;
+      words += fmt::format("{}{} (priority {})", words.empty() ? "" : " + ", sender.name, sender.priority);
     }
-    if (losers > 0) source.words += fmt::format(", {} outranked", losers);
-    source.words += fmt::format("  {:.0f} /s", one.rate_hz);
+    if (losers > 0) words += fmt::format(", {} outranked", losers);
+    words += fmt::format("  {:.0f} /s", one.rate_hz);
   }
+  if (words.empty()) return;
+  source.brief = brief;
+  source.words = words;
+}
+
+}  // namespace
+
+LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::size_t universe) {
+  const auto& universes = desk.compiled().universes;
+  if (universe >= input.stamps.size()) {
+    LevelSource source{SourceKind::kFaders, "faders", "faders of the window"};
+    if (input.transport != nullptr) {
+      source = {SourceKind::kLog, "log", "the log"};
+    } else if (input.status != nullptr) {
+      source = {SourceKind::kLive, "input", "levels as the fixtures get them"};
+    }
+    if (universe < universes.size()) add_senders(input, universes[universe], source);  // with what is set by hand
+    return source;
+  }
+  const FrameStamp& stamp = input.stamps[universe];
+  if (stamp.revision == 0) return {SourceKind::kNobody, "no frames", "no frames yet"};
+  LevelSource source{SourceKind::kLive};
+  source.age_ns = std::max<DurationNs>(input.now_ns - stamp.stamp_ns, 0);
+  add_senders(input, universes[universe], source);
+  source.rarely = source.words.starts_with("by hand (") || source.words.starts_with("blackout (");
+  source.silent = source.age_ns >= kSilentNs && !source.rarely;
   return source;
 }
 

@@ -22,6 +22,7 @@ struct LevelSource {
   std::string brief;      // "console", for a column
   std::string words;      // "console (priority 100), 1 outranked  44 /s", for a line
   bool silent = false;    // of kLive: for kSilentNs or longer
+  bool rarely = false;    // of kLive: set by hand, which is sent when it changes
   DurationNs age_ns = 0;  // of kLive: of the newest frame
 };
 

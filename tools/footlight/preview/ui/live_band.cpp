@@ -5,6 +5,7 @@
 
 #include <imgui/imgui.h>
 
+#include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 
 namespace footlight::tools {
@@ -54,6 +55,19 @@ void draw_made_up_tag(const InputsView& made_up, float stage_width, float y) {
   if (words.empty()) return;
   draw_tag(*ImGui::GetForegroundDrawList(), words, ImGui::GetFontSize() * 1.25f, std::max(stage_width, 1.0f) / 2, y,
            kMadeUpColour, kBlack);
+}
+
+void draw_recording_mark(DurationNs elapsed_ns, float scale) {
+  const std::string words = "REC " + time_text(elapsed_ns);
+  ImDrawList& draw = *ImGui::GetForegroundDrawList();
+  const float size = ImGui::GetFontSize();
+  const float pad = size * 0.4f;
+  const ImVec2 needed = ImGui::CalcTextSize(words.c_str());
+  const ImVec2 low{8 * scale, 8 * scale};
+  const ImVec2 high{low.x + needed.x + size + 3 * pad, low.y + needed.y + 2 * pad};
+  draw.AddRectFilled(low, high, kBlack);
+  draw.AddCircleFilled({low.x + pad + size / 2, (low.y + high.y) / 2}, size * 0.4f, kLiveColour);
+  draw.AddText({low.x + size + 2 * pad, low.y + pad}, kWhite, words.c_str());
 }
 
 }  // namespace footlight::tools

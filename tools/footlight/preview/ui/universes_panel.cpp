@@ -121,9 +121,10 @@ class UniversesPanel final : public Panel {
   // Who sends the universe, and how old its newest frame is.
   void draw_source(const UiDesk& desk, const UiInput& input) const {
     const LevelSource source = source_of_universe(desk, input, shown_);
-    if (shown_ >= input.stamps.size()) return ui_text(kUiDim, "levels as the fixtures get them");
+    if (shown_ >= input.stamps.size()) return ui_text(kUiDim, source.words);
     if (source.kind == SourceKind::kNobody) return ui_text(kUiAmber, source.words);
-    ui_text(source.silent ? kUiRed : kUiGreen, source.silent ? "no signal since" : "last frame");
+    ui_text(source.silent ? kUiRed : kUiGreen,
+            source.silent ? "no signal since" : source.rarely ? "last change" : "last frame");
     ImGui::SameLine(0, 4);
     ui_text(fmt::format("{:.1f} s", static_cast<double>(source.age_ns) * 1e-9));
     ImGui::SameLine();

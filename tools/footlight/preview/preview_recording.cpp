@@ -1,0 +1,41 @@
+// A recording of what the fixtures get: its key, its mark and its end.
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/footlight/preview/preview_window.h"
+
+namespace footlight::tools {
+
+Status Preview::start_recording(const std::string& path) {
+  const std::int64_t unix_ns = wall_clock_unix_ns();
+  const std::string file = path.empty() ? recording_path(options_.recordings, options_.files.rig, unix_ns) : path;
+  FL_ASSIGN(recording_, Recording::start(file, framed_->compiled.universes, clock_, unix_ns));
+  tell(fmt::format("recording to {}; Ctrl+R ends it", file));
+  return {};
+}
+
+void Preview::toggle_recording() {
+  if (recording_) return end_recording();
+  if (const Status started = start_recording(""); !started) tell(started.error());
+}
+
+void Preview::end_recording() {
+  if (!recording_) return;
+  const auto done = recording_->end();
+  recording_.reset();
+  const std::string& news = done ? *done : done.error().message;
+  if (!options_.json) std::fputs(("footlight: " + news + "\n").c_str(), stderr);
+  tell(news, !done);
+}
+
+// Once a picture, after its steps.
+void Preview::keep_recording() {
+  if (!recording_) return;
+  // The steps of a log are also those of seeks: it is recorded as pictures show it.
+  if (player_) recording_->take(last_ns_, desk_->compiled().universes, panel_levels());
+  if (!recording_->trouble().empty()) end_recording();
+}
+
+}  // namespace footlight::tools
