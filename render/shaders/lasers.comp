@@ -52,9 +52,8 @@ void main() {
   uint words = (rows + 31u) / 32u;
   uint mask = (cell.y * params.supertiles_x + cell.x) * words;
 
-  vec2 middle = vec2(pixel) + 0.5;
   LaserPixel view;
-  view.ray = ray_through(middle);
+  view.ray = ray_through(vec2(pixel) + 0.5);
   view.step_x = laser_step_x();
   view.step_y = laser_step_y();
   float ray_length = length(view.ray);
@@ -63,7 +62,7 @@ void main() {
   vec3 lx = vec3(0.0);
   bool ready = false;
 #ifdef FL_USE_HAZE
-  haze_begin(middle);
+  haze_begin(vec2(pixel) + 0.5);
 #endif
   for (uint base = 0u; base < words; base += kThreads) {
     barrier();
@@ -95,14 +94,8 @@ void main() {
       }
       barrier();
       for (uint w = 0u; w < kNotes; ++w) {
-        // Of the rows that touch the tile, those that touch the pixel: most are thin, and cross few pixels of it.
-        uint mine = 0u;
         for (uint bits = row_bits[w]; bits != 0u; bits &= bits - 1u) {
-          uint bit = uint(findLSB(bits));
-          if (laser_touches(lasers[32u * row_words[from + w] + bit], middle, middle)) mine |= 1u << bit;
-        }
-        for (; mine != 0u; mine &= mine - 1u) {
-          LaserRow row = lasers[32u * row_words[from + w] + uint(findLSB(mine))];
+          LaserRow row = lasers[32u * row_words[from + w] + uint(findLSB(bits))];
           for (; !ready; ready = true) {  // a loop, since lavapipe runs both sides of a branch
             surface = surface_at(ivec2(min(pixel, size - 1u)), view.ray / ray_length);
           }

@@ -73,7 +73,7 @@ void check_scenes(std::string_view text) {
     const auto again = parse_scenes(*with, "fuzz.toml");
     if (again) require(again->find("new one").has_value() && again->scenes.size() >= file->scenes.size());
   }
-  for (const Scene& scene : file->scenes) {
+  for (const LevelScene& scene : file->scenes) {
     const auto without = without_scene(*file, scene.name);
     if (!without) continue;
     const auto again = parse_scenes(*without, "fuzz.toml");

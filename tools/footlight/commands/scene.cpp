@@ -75,7 +75,7 @@ Result<int> recall(const Options& options) {
   FL_TRY(need_name(options, "recall"));
   FL_ASSIGN(const std::string path, file_of(options));
   FL_ASSIGN(const SceneFile file, load_scenes(path));
-  FL_ASSIGN(const Scene* scene, file.find(options.name));
+  FL_ASSIGN(const LevelScene* scene, file.find(options.name));
   FL_ASSIGN(HandClient client, HandClient::connect(options.bridge, "scene recall"));
   HandCommand command;
   command.over_ns = options.over_ns;
@@ -92,7 +92,7 @@ Result<int> recall(const Options& options) {
 Result<int> list(const Options& options) {
   FL_ASSIGN(const std::string path, file_of(options));
   FL_ASSIGN(const SceneFile file, load_scenes(path));
-  for (const Scene& scene : file.scenes) fmt::print("{}\n", scene.name);
+  for (const LevelScene& scene : file.scenes) fmt::print("{}\n", scene.name);
   return file.scenes.empty() ? kExitNotFound : kExitOk;
 }
 

@@ -211,7 +211,7 @@ void HandDesk::recall(const SceneCall& call) {
 Status HandDesk::recall_now(const SceneCall& call) {
   const std::string path = call.file.empty() ? scene_file_place() : call.file;
   FL_ASSIGN(const SceneFile file, load_scenes(path));
-  FL_ASSIGN(const Scene* scene, file.find(call.name));
+  FL_ASSIGN(const LevelScene* scene, file.find(call.name));
   std::optional<fixtures::Rig> rig;
   const RigOf rig_of = [&](const std::string& text) -> Result<const fixtures::Rig*> {
     if (call.rig.empty())

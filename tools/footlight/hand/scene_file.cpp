@@ -128,9 +128,9 @@ Status change(const std::string& path, const std::function<Result<std::string>(c
 
 }  // namespace
 
-Result<const Scene*> SceneFile::find_exactly(std::string_view name) const {
+Result<const LevelScene*> SceneFile::find_exactly(std::string_view name) const {
   std::string names;
-  for (const Scene& scene : scenes) {
+  for (const LevelScene& scene : scenes) {
     if (scene.name == name) return &scene;
     names += fmt::format("{}'{}'", names.empty() ? "" : ", ", scene.name);
   }
@@ -138,7 +138,7 @@ Result<const Scene*> SceneFile::find_exactly(std::string_view name) const {
               scenes.size() == 1 ? "is" : "are", names.empty() ? "none" : names);
 }
 
-Result<const Scene*> SceneFile::find(std::string_view name) const {
+Result<const LevelScene*> SceneFile::find(std::string_view name) const {
   auto found = find_exactly(name);
   for (std::size_t i = 0; i < scenes.size() && !found; ++i)
     if (osc_name(scenes[i].name) == name) return &scenes[i];
@@ -154,7 +154,7 @@ Result<SceneFile> parse_scenes(std::string text, const std::string& path) {
   fixtures::TomlReader reader(root, path, "");
   for (const fixtures::TomlNode* node : reader.tables("scene")) {
     fixtures::TomlReader scene_reader(*node, path, std::string(kHeader));
-    Scene scene;
+    LevelScene scene;
     scene.at = scene_reader.place();
     scene.name = scene_reader.text("name");
     for (auto& [level, at] : scene_reader.texts("levels")) scene.levels.push_back({std::move(level), at});
@@ -163,7 +163,7 @@ Result<SceneFile> parse_scenes(std::string text, const std::string& path) {
       return fail(ErrorCode::kBadInput, "{}:{}: name: {}", path, scene_reader.place_of("name"), named.error().message);
     }
     for (const SceneLevel& level : scene.levels) FL_TRY(check_level(level, path));
-    for (const Scene& other : file.scenes) {
+    for (const LevelScene& other : file.scenes) {
       if (other.name != scene.name) continue;
       return fail(ErrorCode::kBadInput, "{}:{}: there is a scene '{}' already, at line {}", path, scene.at, scene.name,
                   other.at.line);
@@ -192,7 +192,7 @@ Result<std::string> with_scene(const SceneFile& file, std::string_view name, con
 }
 
 Result<std::string> without_scene(const SceneFile& file, std::string_view name) {
-  FL_ASSIGN(const Scene* scene, file.find_exactly(name));
+  FL_ASSIGN(const LevelScene* scene, file.find_exactly(name));
   return cut(file, static_cast<std::size_t>(scene - file.scenes.data()));
 }
 

@@ -30,7 +30,7 @@ struct SceneLevel {
   fixtures::SourceAt at;
 };
 
-struct Scene {
+struct LevelScene {
   std::string name;
   std::vector<SceneLevel> levels;
   fixtures::SourceAt at;  // of its [[scene]]
@@ -42,8 +42,8 @@ struct SceneFile {
   std::vector<Scene> scenes;  // in the order of the file; no name twice
 
   // kNotFound lists the names. find() also takes underscores for characters that OSC reserves.
-  [[nodiscard]] Result<const Scene*> find_exactly(std::string_view name) const;
-  [[nodiscard]] Result<const Scene*> find(std::string_view name) const;
+  [[nodiscard]] Result<const LevelScene*> find_exactly(std::string_view name) const;
+  [[nodiscard]] Result<const LevelScene*> find(std::string_view name) const;
 };
 
 // `path` is the name of the text in messages: "scenes.toml:12:3: ...". Errors: kBadInput.
