@@ -426,6 +426,12 @@ bool HandLearner::take(std::string_view port, std::string input) {
   return true;
 }
 
+void HandLearner::end() {
+  const std::lock_guard lock(mutex_);
+  waits_.store(false);
+  moved_.reset();
+}
+
 std::optional<HandLearner::Moved> HandLearner::moved() {
   const std::lock_guard lock(mutex_);
   return std::exchange(moved_, std::nullopt);

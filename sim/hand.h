@@ -109,7 +109,8 @@ class HandLearner {
     std::string input;  // as in a control map: "cc 1 7"
   };
   void begin();
-  void end() { waits_.store(false); }
+  // Forgets what has moved, too.
+  void end();
   [[nodiscard]] bool waits() const { return waits_.load(std::memory_order_relaxed); }
   // Of the ports, while waits(). False: another one was first.
   bool take(std::string_view port, std::string input);

@@ -39,7 +39,7 @@ struct LevelScene {
 struct SceneFile {
   std::string path;
   std::string text;
-  std::vector<Scene> scenes;  // in the order of the file; no name twice
+  std::vector<LevelScene> scenes;  // in the order of the file; no name twice
 
   // kNotFound lists the names. find() also takes underscores for characters that OSC reserves.
   [[nodiscard]] Result<const LevelScene*> find_exactly(std::string_view name) const;

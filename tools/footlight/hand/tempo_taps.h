@@ -37,6 +37,7 @@ class TempoTaps final : public Source {
    private:
     std::shared_ptr<Tempo> tempo_;
     Slots last_ = {};
+    bool known_ = false;  // of the lines as they stand now: one that is on at the start is no tap
   };
 
   std::unique_ptr<Source> lines_;

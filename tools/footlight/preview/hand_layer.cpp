@@ -98,14 +98,18 @@ Status HandLayer::listen(const std::string& socket) {
   if (folder.empty()) return {};
   // Several windows on one machine: the first has the plain name.
   if (open_at(fmt::format("{}/{}", folder, kPreviewSocketName))) return {};
-  (void)open_at(fmt::format("{}/preview-{}.sock", folder, getpid()));
+  if (const Status opened = open_at(fmt::format("{}/preview-{}.sock", folder, getpid())); !opened) {
+    note(fmt::format("no socket for 'footlight set': {}; name one with --socket FILE", opened.error().message));
+  }
   return {};
 }
 
 HttpAnswer HandLayer::answer(const HttpRequest& request) {
   const std::lock_guard lock(pages_mutex_);
   if (pages_) return pages_->answer(request);
-  return {.status = 503, .body = "no fixture of this window's rig has an address yet; patch one, and try again\n"};
+  return {.status = 503,
+          .body = "nothing drives levels now: inputs are being opened, or no fixture has an address; try again, or patch "
+                  "one\n"};
 }
 
 void HandLayer::show_pages(Pump& pump) {
@@ -170,12 +174,12 @@ void HandLayer::remove_control(const std::string& name) {
       std::find_if(controls_.begin(), controls_.end(), [&](const auto& one) { return one->name() == name; });
   if (at == controls_.end()) return;
   if (joined_ != nullptr) {
-    std::promise<void> done;
-    joined_->call([pump = joined_, gone = at->get(), &done] {
+    const auto done = std::make_shared<std::promise<void>>();  // set_value() may still run after the wait
+    joined_->call([pump = joined_, gone = at->get(), done] {
       pump->remove_source(*gone);
-      done.set_value();
+      done->set_value();
     });
-    done.get_future().wait();
+    done->get_future().wait();
   }
   controls_.erase(at);
 }
@@ -214,7 +218,7 @@ std::vector<std::string> HandLayer::notices() {
 }
 
 void HandLayer::command(HandAction action) {
-  if (joined_ == nullptr) return;
+  if (joined_ == nullptr) return note("nothing drives levels now; patch a fixture first");
   joined_->call([this, action] {
     if (const Status done = desk_.take({.action = action, .levels = {}}, clock_.now_ns()); !done) {
       note(done.error().message);

@@ -71,7 +71,7 @@ void Preview::frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m) {
 void Preview::fly(bool typing, DurationNs dt_ns) {
   const ImGuiIO& io = ImGui::GetIO();
   FlyKeys keys;
-  if (!typing && !asks_close_ && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper) {
+  if (!typing && !asks_close_ && !asked_next_ && !io.KeyCtrl && !io.KeyAlt && !io.KeySuper) {
     const auto held = [&](int key) { return io.KeysDown[key]; };
     keys = {held(GLFW_KEY_W), held(GLFW_KEY_S), held(GLFW_KEY_A), held(GLFW_KEY_D),
             held(GLFW_KEY_E), held(GLFW_KEY_Q), io.KeyShift};

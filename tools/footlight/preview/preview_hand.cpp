@@ -47,7 +47,8 @@ Status Preview::rest_hand() {
   return layer_->rest_on(player_ ? log : "faders", framed_->compiled.universes);
 }
 
-// Once a picture: the newest of what is held, and what there is to say.
+// Every turn: the newest of what is held, and what there is to say. A blackout by hand reaches lamps also while the
+// picture stands still.
 void Preview::follow_hand() {
   const std::span<const std::uint8_t> base = hand_     ? hand_->levels()
                                              : player_ ? player_->levels()
@@ -69,7 +70,7 @@ void Preview::follow_hand() {
   }
 }
 
-// A key or a button; also a click that comes late is one of the mean of the taps.
+// A key or a button.
 void Preview::tap() {
   opener_.tempo->tap(clock_.now_ns());
   if (patterns_.empty()) tell("the tempo is that of made-up inputs, and there is none: F6 adds one");
@@ -97,13 +98,23 @@ Status Preview::add_learnt(const HandLearner::Moved& moved) {
   std::error_code unknown;
   const std::string& rig = options_.files.rig;
   const LearnPlan plan = plan_learning(endpoint, rig.empty() ? "" : std::filesystem::absolute(rig, unknown).string());
-  const Status learnt = learn_control(plan, moved.input, learns_for_,
-                                      [&](const std::string& text) { return reopen_control(moved.port, text); });
-  if (!learnt) {  // the map is as it was: so is the port
-    if (const Status back = reopen_control(moved.port, moved.port); !back) tell(back.error());
-    return learnt;
+  if (!endpoint.addresses.empty()) {  // a map has no address: the port would be open to the whole network
+    return fail(ErrorCode::kBadInput, "{}: a control map has no address; add osc:{} without '@' to learn", moved.port,
+                endpoint.udp_port);
   }
-  tell(fmt::format("{}: '{}' controls {}", plan.map, moved.input, learns_for_));
+  bool closed = false;
+  const Status learnt = learn_control(plan, moved.input, learns_for_, [&](const std::string& text) {
+    closed = true;
+    return reopen_control(moved.port, text);
+  });
+  if (!learnt && closed) {  // the map is as it was: so is the port
+    if (const Status back = reopen_control(moved.port, moved.port); !back) tell(back.error());
+  }
+  FL_TRY(learnt);
+  // A port without a map drives slots in their order; with one, what the map names.
+  const bool first = !endpoint.target.ends_with(".toml") && endpoint.scheme == "midi";
+  tell(fmt::format("{}: '{}' controls {}{}", plan.map, moved.input, learns_for_,
+                   first ? "; other controls of this port need to be learnt, too" : ""));
   return {};
 }
 

@@ -212,7 +212,7 @@ void Preview::take_input(bool typing, DurationNs dt_ns) {
   take_picture_requests();
   take_drops();
   const auto holders = [&] {
-    return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_,
+    return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_ || asked_next_.has_value(),
                       handles_.dragging() || box_.dragging(), desk_->fly().on()};
   };
   // Before the mouse: Escape with the release of a drag in one picture puts it back.

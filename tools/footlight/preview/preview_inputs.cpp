@@ -40,7 +40,6 @@ void Preview::follow_patterns() {
 // Once a picture: what there is, and what the user asks for.
 void Preview::follow_inputs() {
   InputsView& view = inputs_view_;
-  follow_hand();
   if (const auto text = std::exchange(view.add, std::nullopt)) {
     const Status added = add_input(*text);
     view.refusal = added ? "" : added.error().message;
@@ -53,11 +52,20 @@ void Preview::follow_inputs() {
     const auto endpoint = parse_port(text);
     if (endpoint && is_made_up(*endpoint)) view.made_up.push_back(text);
   }
-  view.why_not =
-      player_ != nullptr
-          ? "A log drives the rig; start the window without it to add inputs of levels. Controls can be added."
-      : outputs_view_.any_on() ? "Disarm the outputs to add inputs: real lamps would follow them."
-                               : "";
+  view.why_not = why_no_input();
+}
+
+std::vector<std::string> Preview::inputs() const {
+  std::vector<std::string> all = ins_;
+  all.insert(all.end(), controls_in_.begin(), controls_in_.end());
+  return all;
+}
+
+// Empty: an input of levels can be added now.
+std::string Preview::why_no_input() const {
+  if (player_) return "A log drives the rig; start the window without it to add inputs of levels. Controls can be added.";
+  if (outputs_view_.any_on()) return "Disarm the outputs to add inputs: real lamps would follow them.";
+  return "";
 }
 
 Status Preview::add_input(const std::string& text) {
@@ -66,7 +74,8 @@ Status Preview::add_input(const std::string& text) {
     return fail(ErrorCode::kBadInput, "{}: it is in the list already", text);
   }
   FL_ASSIGN(const bool control, is_control(text));
-  if (!control && !inputs_view_.why_not.empty()) return fail(ErrorCode::kBadInput, "{}", inputs_view_.why_not);
+  const std::string why_not = control ? "" : why_no_input();  // of this moment: an output may just have been armed
+  if (!why_not.empty()) return fail(ErrorCode::kBadInput, "{}", why_not);
   FL_ASSIGN(std::unique_ptr<Source> source, open_input(text, false));
   if (control) {
     layer_->add_control(std::move(source));

@@ -73,7 +73,6 @@ void Preview::drive_outputs() {
   }
   if (!outputs_) return;
   if (live_) live_->take();
-  follow_hand();  // a blackout by hand reaches lamps also while the picture stands still
   const auto levels = panel_levels();
   outputs_->give(desk_->compiled().universes, levels, sendable);
   outputs_->follow(outputs_view_);

@@ -65,8 +65,8 @@ void Preview::take_curves(const render::KnobCurves& curves) {
 }
 
 void Preview::ask_for_quality(const render::QualityRequest& request) {
-  drop_curves();
   const bool asks = request.error > 0 || request.ms > 0;
+  facts_.measures_knobs = facts_.measures_knobs && reading_curves_.valid();
   if (asks && !curves_) {
     curves_ = read_knob_curves(knob_curves_path(cache_folder(), device_->facts()), device_->facts(), curves_program());
   }
@@ -77,6 +77,9 @@ void Preview::ask_for_quality(const render::QualityRequest& request) {
   facts_.chosen.reset();
   keeper_.reset();
   ladder_.clear();
+  // A measurement goes on for the new request, or ends by itself.
+  stops_curves_ = !asks;
+  stopped_curves_ = stopped_curves_ || !asks;
   if (!asks) {
     knobs_ = {};
     knobs_.tile_error = options_.tile_error;
@@ -84,6 +87,7 @@ void Preview::ask_for_quality(const render::QualityRequest& request) {
     return;
   }
   if (curves_) return take_curves(*curves_);
+  if (reading_curves_.valid()) return;
   facts_.measures_knobs = true;  // once no frame is being made
 }
 
@@ -91,18 +95,21 @@ void Preview::ask_for_quality(const render::QualityRequest& request) {
 Result<bool> Preview::follow_quality() {
   if (facts_.measures_knobs && !reading_curves_.valid() && !making_.valid()) {
     const NoSignals no_signals;
-    stops_curves_ = false;
+    stops_curves_ = stopped_curves_ = false;
     reading_curves_ = std::async(std::launch::async, [this] { return read_curves(); });
   }
   if (!reading_curves_.valid()) return false;
   if (reading_curves_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return true;
-  facts_.measures_knobs = false;
   auto curves = reading_curves_.get();
   if (!curves && device_->lost()) return tl::unexpected<Error>(std::move(curves).error());
+  const bool asks = facts_.quality.error > 0 || facts_.quality.ms > 0;
+  facts_.measures_knobs = false;
   if (curves) {
     curves_ = std::move(*curves);
-    take_curves(*curves_);
-  } else {
+    if (asks) take_curves(*curves_);
+  } else if (asks && stopped_curves_) {  // asked for again while it was ending
+    facts_.measures_knobs = true;
+  } else if (asks) {
     facts_.quality = {};
     tell(curves.error().message + "; nodes and pixels are chosen by hand", true);
   }

@@ -1,14 +1,19 @@
 // A recording of what the fixtures get: its key, its mark and its end.
+#include <chrono>
 #include <cstdio>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "sim/core/no_signals.h"
 #include "tools/footlight/preview/preview_window.h"
 
 namespace footlight::tools {
 
 Status Preview::start_recording(const std::string& path) {
+  if (ended_.valid()) {
+    return fail(ErrorCode::kBadInput, "the recording before is still being written; try again when its end is reported");
+  }
   const std::int64_t unix_ns = wall_clock_unix_ns();
   const std::string file = path.empty() ? recording_path(options_.recordings, options_.files.rig, unix_ns) : path;
   FL_ASSIGN(recording_, Recording::start(file, framed_->compiled.universes, clock_, unix_ns));
@@ -21,16 +26,24 @@ void Preview::toggle_recording() {
   if (const Status started = start_recording(""); !started) tell(started.error());
 }
 
+// On another thread: a slow disk must not keep levels from armed outputs.
 void Preview::end_recording() {
   if (!recording_) return;
-  const auto done = recording_->end();
-  recording_.reset();
+  const NoSignals no_signals;
+  ended_ = std::async(std::launch::async, [ends = std::move(recording_)] { return ends->end(); });
+}
+
+// What the end of a recording reports, once it is on the disk.
+void Preview::report_recording(bool waits) {
+  using std::chrono::seconds;
+  if (!ended_.valid() || (!waits && ended_.wait_for(seconds(0)) != std::future_status::ready)) return;
+  const auto done = ended_.get();
   const std::string& news = done ? *done : done.error().message;
   if (!options_.json) std::fputs(("footlight: " + news + "\n").c_str(), stderr);
   tell(news, !done);
 }
 
-// Once a picture, after its steps.
+// After the steps of a turn.
 void Preview::keep_recording() {
   if (!recording_) return;
   // The steps of a log are also those of seeks: it is recorded as pictures show it.

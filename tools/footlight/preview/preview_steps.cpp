@@ -138,7 +138,11 @@ Status Preview::step_meanwhile() {
   if (player_ && !player_->can_hold(controls_.transport, dt_ns, holding)) return {};
   stepped_ns_ = last_ns_;
   frame_->adapt_for(dt_ns);
-  if (player_) return player_->turn(controls_.transport, dt_ns, holding);
+  if (player_) {
+    FL_TRY(player_->turn(controls_.transport, dt_ns, holding));
+    keep_recording();
+    return {};
+  }
   if (hand_) {
     step_ns_ = last_ns_ - dt_ns;
     give(hand_->levels(), dt_ns, true);

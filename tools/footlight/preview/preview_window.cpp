@@ -40,12 +40,15 @@ bool other_display(const PreviewControls& controls, const render::FrameSettings&
          own.auto_exposure != settings.auto_exposure;
 }
 
+bool lost(const std::unique_ptr<render::vk::Device>& device) { return device && device->lost(); }
+
 }  // namespace
 
 Result<int> Preview::run() {
   const Result<int> result = open_and_turn();
   outputs_.reset();  // also after an error: real lamps go dark before anything else is waited for
   end_recording();
+  report_recording(true);
   end_edits();
   return result;
 }
@@ -63,9 +66,10 @@ Result<int> Preview::open_and_turn() {
   if (!options_.record.empty()) FL_TRY(start_recording(options_.record));
   while (!signal.came() && !((window_->wants_close() || closing_) && may_close())) {
     Status turned = turn();
-    if (!turned && (device_->lost() || window_device_->lost())) turned = start_again(turned.error());
+    while (!turned && (lost(device_) || lost(window_device_))) turned = start_again(turned.error());
     FL_TRY(turned);
   }
+  if (signal.came() || times_out_) next_.reset();  // nothing else is opened
   outputs_.reset();
   if (picture_->in_flight()) FL_TRY(picture_->done(StagePicture::kForeverNs));
   FL_TRY(window_->wait_gpu());
@@ -77,7 +81,7 @@ Result<int> Preview::open_and_turn() {
 // Until the screen shows its next picture; sooner if a picture of the stage is done that takes longer than that.
 Status Preview::pace() {
   if (window_->minimised()) return {};  // poll() waits
-  const auto tick_ns = static_cast<DurationNs>(1e9 / Window::refresh_hz());
+  const auto tick_ns = static_cast<DurationNs>(1e9 / refresh_hz_);
   // Where presenting waits for the screen, this only bounds the rate.
   const bool waits_itself = presented_ && !device_->is_software();
   const DurationNs left_ns = last_ns_ + (waits_itself ? tick_ns / 2 : tick_ns) - clock_.now_ns();
@@ -110,6 +114,8 @@ Status Preview::turn() {
   keep_edits();
   keep_markers();
   const PixelRect where = place();
+  follow_hand();
+  report_recording(false);
   if (picture_->in_flight()) {
     FL_TRY(step_meanwhile());
   } else {
@@ -136,6 +142,7 @@ Status Preview::turn_stage(const PixelRect& where) {
   }
   if (still) {
     stepped_ns_ = last_ns_;
+    picture_since_ns_ = -1;  // the time until the next picture is not its own
     return {};
   }
   FL_TRY(follow_flashes());
@@ -200,6 +207,8 @@ Status Preview::take_picture() {
   if (!done) return {};
   const HostPicture picture = picture_->take();
   FL_TRY(read_picture());
+  // It was begun before they were to be held back, and nothing has looked at it.
+  if (desk_->flashes() == FlashMode::kLimit && (!flashes_ || !flashes_->limits())) return {};
   if (flashes_) {
     const DurationNs at_ns = last_ns_ - start_ns_;
     const std::size_t stretches = flashes_->watch().stretches().size();
@@ -254,6 +263,7 @@ void Preview::read_second() {
     facts_.machine_fog_per_m = air->fog_per_m();
   }
   const DurationNs since_ns = facts_.now_ns - second_ns_;
+  if (since_ns >= kNsPerS) refresh_hz_ = Window::refresh_hz();  // which asks the window system
   if (since_ns < kNsPerS || times_.count() == 0) return;
   facts_.fps = static_cast<double>(second_frames_) * 1e9 / static_cast<double>(since_ns);
   second_ns_ = facts_.now_ns;
@@ -345,7 +355,7 @@ Status Preview::rebuild(const PixelRect& where) {
 // After the loss of a device: a new one. One that is lost again and again ends the preview.
 Status Preview::start_again(const Error& loss) {
   const TimeNs now_ns = clock_.now_ns();
-  const bool of_stage = device_->lost();
+  const bool of_stage = lost(device_);
   Losses& losses = of_stage ? stage_losses_ : window_losses_;
   losses.count = now_ns - losses.last_ns < kLossPauseNs ? losses.count + 1 : 1;
   losses.last_ns = now_ns;
@@ -363,19 +373,23 @@ Status Preview::start_again(const Error& loss) {
 
 // The window shows black until the next picture of the stage.
 Status Preview::replace_window() {
-  messages_before_ += window_device_->validation_messages().size();
+  if (window_device_) messages_before_ += window_device_->validation_messages().size();
   window_->detach();
   window_device_.reset();
-  return open_window_device();
+  FL_TRY(open_window_device());
+  last_ns_ = clock_.now_ns();  // a camera that flies does not jump
+  return {};
 }
 
 // And a frame made from the new device. Heads that follow a log go where the log has them; others start from where
 // their channels stand. The window shows the last picture meanwhile.
 Status Preview::replace_stage() {
-  messages_before_ += device_->validation_messages().size();
+  if (device_) messages_before_ += device_->validation_messages().size();
   drop_frame();
   picture_.reset();
+  const bool measures = facts_.measures_knobs;
   drop_curves();
+  facts_.measures_knobs = measures;  // on the new device
   error_.reset();
   frame_.reset();
   flashes_.reset();
@@ -399,12 +413,19 @@ Status Preview::replace_stage() {
 
 namespace {
 
-// The options of a window that opens another rig or log.
-PreviewOptions options_for(const PreviewOptions& before, const Preview::Next& next) {
-  PreviewOptions options = before;
+// What the window of `options` leaves to those after it: without what belongs to the first one alone, and as its user
+// has set it since.
+void leave_to_next(PreviewOptions& options, const Preview& preview) {
+  options.record.clear();
   options.recover = false;
   options.at_ns = 0;
   options.news.clear();
+  options.ins = preview.inputs();
+  if (const auto flashes = preview.flashes()) options.flashes = *flashes;
+}
+
+// The options of a window that opens another rig or log.
+PreviewOptions options_for(PreviewOptions options, const Preview::Next& next) {
   if (!next.rig.empty()) {
     options.files.rig = next.rig;
     options.files.demo = false;
@@ -413,7 +434,7 @@ PreviewOptions options_for(const PreviewOptions& before, const Preview::Next& ne
     options.select.clear();
   } else {
     options.files.log = next.log;
-    options.ins.clear();
+    std::erase_if(options.ins, [](const std::string& text) { return !is_control(text).value_or(false); });
   }
   return options;
 }
@@ -423,14 +444,17 @@ PreviewOptions options_for(const PreviewOptions& before, const Preview::Next& ne
 Result<int> run_preview(const PreviewOptions& options) {
   PreviewOptions now = options;
   std::optional<PreviewOptions> before;  // of the window before, if this one was opened from it
+  int worst = kExitOk;
   while (true) {
     std::optional<Preview::Next> next;
     bool opened = false;
     const auto show = [&] {
-      Preview preview(now);
+      const PreviewOptions of_window = now;
+      Preview preview(of_window);
       const Result<int> shown = preview.run();
       next = preview.next();
       opened = preview.opened();
+      if (opened) leave_to_next(now, preview);
       return shown;
     };
     const Result<int> result = show();
@@ -439,7 +463,9 @@ Result<int> run_preview(const PreviewOptions& options) {
       now.news = result.error().message;
       continue;
     }
-    if (!result || !next) return result;
+    if (!result) return result;
+    worst = std::max(worst, *result);
+    if (!next) return worst;
     before = now;
     now = options_for(now, *next);
   }

@@ -65,6 +65,11 @@ class Preview {
   [[nodiscard]] const std::optional<Next>& next() const { return next_; }
   // A picture was shown.
   [[nodiscard]] bool opened() const { return picture_ns_ >= 0; }
+  // As the user has set them since: endpoints of inputs and controls; nothing: no rig was read.
+  [[nodiscard]] std::vector<std::string> inputs() const;
+  [[nodiscard]] std::optional<FlashMode> flashes() const {
+    return desk_ ? std::optional(desk_->flashes()) : std::nullopt;
+  }
 
   // The options outlive this.
   explicit Preview(const PreviewOptions& options);
@@ -143,6 +148,7 @@ class Preview {
   Status start_recording(const std::string& path);
   void toggle_recording();
   void end_recording();
+  void report_recording(bool waits);
   void keep_recording();
 
   // Markers of the log: preview_markers.cpp.
@@ -163,6 +169,7 @@ class Preview {
   Result<std::unique_ptr<Source>> open_input(const std::string& text, bool again);
   void follow_patterns();
   void follow_inputs();
+  [[nodiscard]] std::string why_no_input() const;
   Status add_input(const std::string& text);
   void remove_input(const std::string& text);
   void close_inputs();
@@ -252,6 +259,7 @@ class Preview {
   std::unique_ptr<HandLayer> layer_;  // over all of them; ends before they do
 
   std::unique_ptr<Recording> recording_;  // null: nothing is recorded
+  std::future<Result<std::string>> ended_;  // valid: a recording is being written to its end
   TimeNs step_ns_ = 0;                    // when the step that is given next begins, of live inputs and faders
   std::unique_ptr<LiveOutputs> outputs_;  // null: there are none
   OutputsView outputs_view_;
@@ -273,6 +281,7 @@ class Preview {
   std::unique_ptr<render::vk::Device> device_;  // of the stage
   std::unique_ptr<render::Frame> frame_;
   std::unique_ptr<PreviewFlashes> flashes_;   // null: --flashes off
+  double refresh_hz_ = 60;                    // of the screen
   TimeNs drawn_ns_ = 0;                       // when the newest picture was started
   std::optional<OrbitCamera> drawn_camera_;   // of it
   std::optional<OrbitCamera> shown_camera_;   // of the picture that the window shows; nothing: there is none
@@ -286,6 +295,7 @@ class Preview {
   std::optional<render::KnobCurves> curves_;  // of this machine, once they were needed
   std::future<Result<render::KnobCurves>> reading_curves_;  // valid: they are measured or read
   std::atomic<bool> stops_curves_ = false;
+  bool stopped_curves_ = false;  // since they were begun
   bool haze_is_rig_ = true;                   // the slider edits the rig; else, with --haze, only the picture
   double picture_haze_per_m_ = 0;             // then
   std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
