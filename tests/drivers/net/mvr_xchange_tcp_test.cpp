@@ -203,6 +203,11 @@ TEST_CASE("bytes that drip and messages that are no answer do not prolong the ti
     REQUIRE(!late);
     CHECK(late.error().code == ErrorCode::kTimeout);
   }
+}
+
+TEST_CASE("a message to this station that drips ends its connection as one that stops") {
+  const MvrStation view("View", kViewUuid);
+  const std::string other = build_mvr_json(build_mvr_message(view.leave()));
   Desk desk;
   const Fd half = plain_connection(desk.address());
   send_text(half, other.substr(0, 3));
