@@ -182,7 +182,9 @@ Result<const MvrGroup::Member*> choose_station(const Options& options, const Mvr
   }
   if (fitting.size() == 1 || (!fitting.empty() && !options.file.empty())) return fitting.front();
   if (!fitting.empty()) {
-    return fail(ErrorCode::kBadInput, "several stations fit; name one by its UUID or address:{}{}", joined, troubles);
+    std::string names;
+    for (const auto* const member : fitting) names += "\n  " + station_words(*member);
+    return fail(ErrorCode::kBadInput, "several stations fit; name one by its UUID or address:{}{}", names, troubles);
   }
   std::string what = "no station of MVR-xchange was found";
   if (!options.file.empty()) {

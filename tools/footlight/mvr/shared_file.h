@@ -31,7 +31,8 @@ class SharedFile {
   [[nodiscard]] static Result<SharedFile> open(const std::string& path, const std::string& comment);
   [[nodiscard]] const Revision& first() const { return first_; }
   // A new revision, if the file has another size or time than before and kept both for a second. An error is returned
-  // once for each change; what is offered stays. A file that changes while it is read is read again. Asks the file system twice a second at most.
+  // once for each change; what is offered stays. A file that changes while it is read is read again. Asks the file
+  // system twice a second at most.
   [[nodiscard]] Result<std::optional<Revision>> poll(TimeNs now_ns);
 
  private:
