@@ -453,6 +453,11 @@ TEST_CASE("a station of which no address answers is asked again after half a min
   REQUIRE(group.members().size() == 1);
   CHECK(group.members()[0].trouble.find("cannot connect") != std::string::npos);
   CHECK(group.members()[0].retry_ns == kStartNs + kMvrRejoinNs);
+  Desk desk;
+  discovery.stations[0].others = {dead[1], desk.address()};  // found later
+  step_all(group, desk, kStartNs + kMvrRejoinNs);
+  REQUIRE(group.members().size() == 1);
+  CHECK(group.members()[0].joined);
 }
 
 TEST_CASE("a station that cannot be joined is asked again after half a minute") {
