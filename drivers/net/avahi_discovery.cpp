@@ -75,7 +75,7 @@ struct Instance {
   std::optional<DnsService> service;
   MvrText text;
   bool has_text = false;
-  std::vector<std::uint32_t> addresses;
+  std::vector<std::uint32_t> addresses;  // one that is seen on two interfaces is there twice
 };
 
 class AvahiDiscovery final : public MvrDiscovery {
@@ -94,7 +94,10 @@ class AvahiDiscovery final : public MvrDiscovery {
     if (lost_) {
       if (now_ns < reopen_ns_) return;
       reopen_ns_ = now_ns + kReopenNs;
-      if (!connect()) return;
+      if (const Status connected = connect(); !connected) {
+        trouble_ = connected.error().message;
+        return;
+      }
     }
     // What is published in one turn is sent in the next.
     for (int i = 0; i < kStepsMax && !lost_; ++i) {
@@ -115,6 +118,12 @@ class AvahiDiscovery final : public MvrDiscovery {
       station.uuid = one.text.station_uuid;
       station.group = words->group;
       station.address = {one.addresses.front(), one.service->port};
+      for (const std::uint32_t ipv4 : one.addresses) {
+        const MvrAddress address = {ipv4, one.service->port};
+        const bool known = address == station.address ||
+                           std::find(station.others.begin(), station.others.end(), address) != station.others.end();
+        if (!known) station.others.push_back(address);
+      }
       // Some programs announce the same instance under two names.
       if (std::find(found.begin(), found.end(), station) == found.end()) found.push_back(std::move(station));
     }
@@ -128,6 +137,7 @@ class AvahiDiscovery final : public MvrDiscovery {
   }
 
   [[nodiscard]] std::string announced_name() const override { return established_ ? label_ : ""; }
+  [[nodiscard]] std::string trouble() const override { return trouble_; }
 
  private:
   AvahiDiscovery() = default;
@@ -157,6 +167,7 @@ class AvahiDiscovery final : public MvrDiscovery {
           avahi_strerror(error));
     }
     lost_ = false;
+    trouble_.clear();
     stations_ = browse(with_service(), AVAHI_DNS_TYPE_PTR, on_pointer, this);
     renew_ = announcement_.has_value();
     return {};
@@ -246,14 +257,23 @@ class AvahiDiscovery final : public MvrDiscovery {
     if (size != 4) return;
     auto& addresses = static_cast<Instance*>(instance)->addresses;
     const std::uint32_t ipv4 = read_u32_be(octets(data, size), 0);
-    if (event == AVAHI_BROWSER_REMOVE) std::erase(addresses, ipv4);
+    const auto at = std::find(addresses.begin(), addresses.end(), ipv4);
+    if (event == AVAHI_BROWSER_REMOVE && at != addresses.end()) addresses.erase(at);
     if (event == AVAHI_BROWSER_NEW) addresses.push_back(ipv4);
   }
 
   static void on_group(AvahiEntryGroup*, AvahiEntryGroupState state, void* data) {
     auto* const self = static_cast<AvahiDiscovery*>(data);
     self->established_ = state == AVAHI_ENTRY_GROUP_ESTABLISHED;
+    if (self->established_) self->trouble_.clear();
     if (state == AVAHI_ENTRY_GROUP_COLLISION) self->take_next_name();
+    if (state == AVAHI_ENTRY_GROUP_FAILURE) self->set_trouble(avahi_client_errno(self->client_.get()));
+  }
+
+  void set_trouble(int error) {
+    trouble_ = fmt::format(
+        "Avahi's daemon does not announce '{}' ({}); choose another name or group, or see 'journalctl -u avahi-daemon'",
+        announcement_->name, avahi_strerror(error));
   }
 
   void take_next_name() {
@@ -276,10 +296,10 @@ class AvahiDiscovery final : public MvrDiscovery {
     renew_ = false;  // on_client() sets it when the daemon runs
     if (avahi_client_get_state(client_.get()) != AVAHI_CLIENT_S_RUNNING) return;
     const char* const host_name = avahi_client_get_host_name(client_.get());
-    if (host_name == nullptr) return;
+    if (host_name == nullptr) return set_trouble(avahi_client_errno(client_.get()));
     established_ = false;
     if (group_ == nullptr) group_.reset(avahi_entry_group_new(client_.get(), on_group, this));
-    if (group_ == nullptr) return;
+    if (group_ == nullptr) return set_trouble(avahi_client_errno(client_.get()));
     (void)avahi_entry_group_reset(group_.get());
     const DnsLabels instance = mvr_instance_name({label_, announcement_->group});
     const auto pointer = build_dns_name(instance);
@@ -293,7 +313,11 @@ class AvahiDiscovery final : public MvrDiscovery {
     add({"_services", "_dns-sd", "_udp", "local"}, AVAHI_DNS_TYPE_PTR, false, kTtlPointerS,
         build_dns_name(with_service()), error);
     if (error == AVAHI_OK) error = avahi_entry_group_commit(group_.get());
-    if (error == AVAHI_ERR_COLLISION) take_next_name();  // with another program of this machine
+    if (error == AVAHI_ERR_COLLISION) {  // with another program of this machine
+      take_next_name();
+    } else if (error != AVAHI_OK) {
+      set_trouble(error);
+    }
   }
 
   bool lost_ = false;
@@ -304,6 +328,7 @@ class AvahiDiscovery final : public MvrDiscovery {
   std::vector<pollfd> waiting_;
   std::optional<MvrAnnouncement> announcement_;
   std::string label_;  // of the announced instance
+  std::string trouble_;
   Poll poll_;
   Client client_;
   Group group_;

@@ -24,6 +24,7 @@ struct MvrFound {
   std::string uuid;  // may be empty
   std::string group;
   MvrAddress address;
+  std::vector<MvrAddress> others = {};  // further addresses of the same station
   bool operator==(const MvrFound&) const = default;
 };
 
@@ -47,6 +48,8 @@ class MvrDiscovery {
   virtual void announce(const MvrAnnouncement& announcement) = 0;
   // The name that others see; empty: not announced yet.
   [[nodiscard]] virtual std::string announced_name() const = 0;
+  // Why the station is not announced, and the next step; empty: it is, or no error has come yet.
+  [[nodiscard]] virtual std::string trouble() const = 0;
 };
 
 // Errors: kUnsupported (a build without Avahi), kNotFound (its daemon does not run). The message names the next step.

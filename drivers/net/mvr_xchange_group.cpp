@@ -6,6 +6,25 @@
 #include "drivers/net/mvr_xchange_names.h"
 
 namespace footlight::drivers {
+namespace {
+
+// A station that has changed its group or its UUID is another one.
+bool is_found_as(const MvrGroup::Member& member, const MvrFound& found) {
+  const auto& others = found.others;
+  const MvrAddress& address = member.station.address;
+  return (found.address == address || std::find(others.begin(), others.end(), address) != others.end()) &&
+         same_ascii(found.group, member.station.group) && same_uuid(found.uuid, member.uuid);
+}
+
+// The addresses of a station are found one by one.
+void take_others(MvrGroup::Member& member, const MvrFound& found) {
+  auto& others = member.station.others;
+  others = found.others;
+  others.push_back(found.address);
+  std::erase(others, member.station.address);
+}
+
+}  // namespace
 
 MvrGroup::MvrGroup(MvrStation& station, MvrDiscovery* discovery, std::string group,
                    const std::vector<MvrAddress>& named)
@@ -41,14 +60,20 @@ void MvrGroup::find_members() {
   const std::vector<MvrFound> found = discovery_->found();
   std::erase_if(members_, [&](const Member& member) {
     return !member.named && !talks_with(member.station.address) &&
-           std::none_of(found.begin(), found.end(),
-                        [&](const MvrFound& one) { return one.address == member.station.address; });
+           std::none_of(found.begin(), found.end(), [&](const MvrFound& one) { return is_found_as(member, one); });
   });
   for (const MvrFound& one : found) {
+    const auto known =
+        std::find_if(members_.begin(), members_.end(), [&](const Member& member) { return is_found_as(member, one); });
+    if (known != members_.end()) {
+      if (!talks_with(known->station.address)) take_others(*known, one);
+      continue;
+    }
     if (same_uuid(one.uuid, station_.uuid()) || member_at(one.address) != nullptr) continue;
     if (!group_.empty() && !same_ascii(one.group, dns_label(group_))) continue;
     Member member;
     member.station = one;
+    member.uuid = one.uuid;
     members_.push_back(std::move(member));
   }
 }
@@ -65,6 +90,24 @@ void MvrGroup::start(Member& member, const MvrMessage& message, TimeNs now_ns) {
   talks_.push_back(std::move(talk));
 }
 
+// Fails if the answer is a refusal.
+Status MvrGroup::answered(Member& member, const Talk& talk) {
+  const MvrMessage& answer = talk.client->asking().answer();
+  if (talk.type == MvrMessageType::kCommit) {
+    if (answer.ok) return {};
+    return fail(ErrorCode::kProtocol, "the station refused a new file: {}",
+                answer.message.empty() ? "without a reason" : answer.message);
+  }
+  FL_ASSIGN(member.peer, station_.joined(answer));
+  member.joined = true;
+  member.left = false;
+  member.trouble.clear();
+  member.failed_addresses = 0;
+  if (!member.peer.name.empty()) member.station.name = member.peer.name;
+  if (!member.peer.uuid.empty()) member.station.uuid = member.peer.uuid;
+  return {};
+}
+
 void MvrGroup::end(const Talk& talk, const Status& status, TimeNs now_ns) {
   Member* const member = member_at(talk.to);
   if (member == nullptr) return;
@@ -72,22 +115,25 @@ void MvrGroup::end(const Talk& talk, const Status& status, TimeNs now_ns) {
     member->joined = false;
     return;
   }
-  if (status && talk.type == MvrMessageType::kCommit) return;
   if (status) {
-    auto peer = station_.joined(talk.client->asking().answer());
-    if (peer) {
-      member->joined = true;
-      member->left = false;
-      member->trouble.clear();
-      member->peer = std::move(*peer);
-      if (!member->peer.name.empty()) member->station.name = member->peer.name;
-      if (!member->peer.uuid.empty()) member->station.uuid = member->peer.uuid;
+    const Status taken = answered(*member, talk);
+    if (taken) {
+      if (leaves_ && talk.type == MvrMessageType::kJoin) start(*member, station_.leave(), now_ns);
       return;
     }
-    member->trouble = fmt::format("{} ({}): {}", member->station.name, text_of(talk.to), peer.error().message);
+    member->trouble = fmt::format("{} ({}): {}", member->station.name, text_of(talk.to), taken.error().message);
   } else {
+    auto& others = member->station.others;
+    if (++member->failed_addresses <= others.size() && !leaves_) {
+      others.push_back(std::exchange(member->station.address, others.front()));
+      others.erase(others.begin());
+      member->joined = false;
+      start(*member, station_.join(), now_ns);
+      return;
+    }
     member->trouble = status.error().message;
   }
+  member->failed_addresses = 0;
   member->joined = false;
   member->retry_ns = now_ns + kMvrRejoinNs;
 }
@@ -128,7 +174,7 @@ void MvrGroup::step(TimeNs now_ns) {
   for (Member& member : members_) {
     if (member.left || talks_with(member.station.address)) continue;
     if (!member.joined && now_ns >= member.retry_ns) {
-      start(member, station_.join(), now_ns);
+      if (joins_) start(member, station_.join(), now_ns);
     } else if (member.joined && member.informed != station_.newest_uuid()) {
       start(member, station_.commit(), now_ns);
     }

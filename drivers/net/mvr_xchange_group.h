@@ -22,13 +22,15 @@ class MvrGroup {
  public:
   struct Member {
     MvrFound station;     // the name and the UUID are those of its answer, once it has answered
+    std::string uuid;     // as it was found
     bool named = false;   // by its address, not found
     bool joined = false;  // it has answered, and neither side has left
     bool left = false;    // by its own message; it is not asked again, and may join by itself
     MvrPeer peer;         // its answer, and the files that it announced since
     std::string trouble;  // why it is not joined; empty: it is, or the answer is under way
     TimeNs retry_ns = 0;
-    std::string informed;  // UUID of our newest file that it was informed of
+    std::size_t failed_addresses = 0;  // one after the other, since the last pause
+    std::string informed;              // UUID of our newest file that it was informed of
   };
 
   // `discovery`: null for none. `group`: empty for all groups that are found. `named`: stations that need not be found.
@@ -38,7 +40,9 @@ class MvrGroup {
   void add_descriptors(std::vector<pollfd>& waiting) const;
   // Also informs the joined stations of the newest file that the station offers.
   void step(TimeNs now_ns);
-  // Informs the joined stations that this one leaves; joins none any more.
+  // From now on joins no station; joins that are under way go on, also at further addresses of their stations.
+  void stop_joining() { joins_ = false; }
+  // Informs the joined stations that this one leaves, and those that answer to a join yet; joins none any more.
   void leave(TimeNs now_ns);
   [[nodiscard]] bool busy() const { return !talks_.empty(); }  // an answer is under way
 
@@ -53,6 +57,7 @@ class MvrGroup {
   void find_members();
   void start(Member& member, const MvrMessage& message, TimeNs now_ns);
   void end(const Talk& talk, const Status& status, TimeNs now_ns);
+  Status answered(Member& member, const Talk& talk);
   void follow_peers();
   [[nodiscard]] Member* member_at(const MvrAddress& address);
   [[nodiscard]] bool talks_with(const MvrAddress& address) const;
@@ -63,6 +68,7 @@ class MvrGroup {
   std::vector<Member> members_;
   std::vector<Talk> talks_;
   std::uint64_t peer_changes_ = 0;  // of the station, as of the last step
+  bool joins_ = true;
   bool leaves_ = false;
 };
 

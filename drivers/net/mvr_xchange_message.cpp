@@ -16,6 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kTextBytesMax = 4096;  // longer ones are cut
+constexpr std::size_t kFileNameBytesMax = 1024;
 constexpr std::size_t kUuidBytesMax = 64;
 
 struct TypeName {
@@ -152,12 +153,11 @@ Result<MvrCommit> commit_of(const Json& object, std::string_view where) {
   MvrCommit commit;
   commit.file_uuid = members.needed_uuid("FileUUID");
   commit.station_uuid = members.uuid("StationUUID");
-  commit.for_stations = members.uuids("ForStationsUUID");
   commit.version_major = static_cast<int>(members.number("verMajor", 1000));
   commit.version_minor = static_cast<int>(members.number("verMinor", 1000));
   commit.file_bytes = members.number("FileSize", std::numeric_limits<std::int64_t>::max());
   commit.comment = members.text("Comment");
-  commit.file_name = members.text("FileName", 1024);
+  commit.file_name = members.text("FileName", kFileNameBytesMax);
   FL_TRY(members.status());
   return commit;
 }
@@ -176,8 +176,10 @@ Status read_join(Members& members, const Json& object, MvrMessage& message) {
     members.refuse(key, "a list", list);
     return members.status();
   }
-  for (const Json& one : list) {
-    FL_ASSIGN(MvrCommit commit, commit_of(one, name_of(message.type)));
+  const std::size_t count = std::min(list.size(), kMvrCommitsMax);
+  message.commits.reserve(count);
+  for (std::size_t i = list.size() - count; i < list.size(); ++i) {
+    FL_ASSIGN(MvrCommit commit, commit_of(list[i], name_of(message.type)));
     if (commit.station_uuid.empty()) commit.station_uuid = message.station_uuid;
     message.commits.push_back(std::move(commit));
   }
@@ -191,9 +193,9 @@ Json json_of(const MvrCommit& commit) {
                {"FileSize", commit.file_bytes},
                {"FileUUID", commit.file_uuid},
                {"StationUUID", commit.station_uuid},
-               {"ForStationsUUID", commit.for_stations},
-               {"Comment", commit.comment}};
-  if (!commit.file_name.empty()) json["FileName"] = commit.file_name;
+               {"ForStationsUUID", Json::array()},
+               {"Comment", cut_utf8(commit.comment, kTextBytesMax)}};
+  if (!commit.file_name.empty()) json["FileName"] = cut_utf8(commit.file_name, kFileNameBytesMax);
   return json;
 }
 
@@ -262,13 +264,13 @@ std::string build_mvr_message(const MvrMessage& message) {
   Json json = {{"Type", name_of(message.type)}};
   if (is_answer(message.type)) {
     json["OK"] = message.ok;
-    json["Message"] = message.message;
+    json["Message"] = cut_utf8(message.message, kTextBytesMax);
   }
   switch (message.type) {
     case MvrMessageType::kJoin:
     case MvrMessageType::kJoinAnswer:
       json["Provider"] = message.provider;
-      json["StationName"] = message.station_name;
+      json["StationName"] = cut_utf8(message.station_name, kTextBytesMax);
       json["StationUUID"] = message.station_uuid;
       json["verMajor"] = message.version_major;
       json["verMinor"] = message.version_minor;

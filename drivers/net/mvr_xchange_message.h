@@ -17,17 +17,17 @@ namespace footlight::drivers {
 
 inline constexpr int kMvrVersionMajor = 1;  // of MVR, of what this program reads and writes
 inline constexpr int kMvrVersionMinor = 6;
+inline constexpr std::size_t kMvrCommitsMax = 200;  // of one station; the newest are kept
 
 // UUIDs are any text of at most 64 bytes. They keep the spelling of their sender, since some programs compare them
 // letter by letter. This function ignores case, and braces around.
 [[nodiscard]] bool same_uuid(std::string_view a, std::string_view b);
 
-// One revision of a rig that a station offers.
+// One revision of a rig that a station offers. The stations that it is for are not kept: a file is offered to all.
 struct MvrCommit {
   std::string file_uuid;
-  std::string station_uuid;               // who offers it; empty: not stated
-  std::vector<std::string> for_stations;  // empty: for all
-  int version_major = 0;                  // of the file; 0.0: not stated
+  std::string station_uuid;  // who offers it; empty: not stated
+  int version_major = 0;     // of the file; 0.0: not stated
   int version_minor = 0;
   std::uint64_t file_bytes = 0;
   std::string comment;
@@ -61,7 +61,7 @@ struct MvrMessage {
   int version_major = 0;
   int version_minor = 0;
   bool has_commits = false;        // false: the list is missing, which leaves what is known as it is
-  std::vector<MvrCommit> commits;  // in the order of the sender; of a commit: the one
+  std::vector<MvrCommit> commits;  // in the order of the sender, the last kMvrCommitsMax; of a commit: the one
   // Requests.
   std::string file_uuid;  // empty: the newest
   std::vector<std::string> from_stations;
@@ -73,7 +73,7 @@ struct MvrMessage {
 
 // Errors (kProtocol): no JSON object, no known type, a value of a wrong type, a text that is missing.
 [[nodiscard]] Result<MvrMessage> parse_mvr_message(std::string_view json);
-// Bytes that are no UTF-8 are replaced.
+// Bytes that are no UTF-8 are replaced. Texts are cut to the lengths that are read.
 [[nodiscard]] std::string build_mvr_message(const MvrMessage& message);
 [[nodiscard]] MvrMessage mvr_answer(MvrMessageType to, bool ok, std::string message = {});
 

@@ -95,13 +95,23 @@ Status MvrPacketReader::end_packet(MvrPacketReceiver& receiver) {
 }
 
 Status MvrPacketReader::read(std::span<const std::uint8_t> bytes, MvrPacketReceiver& receiver) {
+  while (!bytes.empty()) {
+    FL_ASSIGN(const std::size_t size, read_message(bytes, receiver));
+    bytes = bytes.subspan(size);
+  }
+  return {};
+}
+
+Result<std::size_t> MvrPacketReader::read_message(const std::span<const std::uint8_t> all,
+                                                  MvrPacketReceiver& receiver) {
+  std::span<const std::uint8_t> bytes = all;
   while (true) {
     if (header_size_ < kMvrPacketHeaderBytes) {
       const std::size_t size = std::min(bytes.size(), kMvrPacketHeaderBytes - header_size_);
       std::copy_n(bytes.begin(), size, header_bytes_.begin() + static_cast<std::ptrdiff_t>(header_size_));
       header_size_ += size;
       bytes = bytes.subspan(size);
-      if (header_size_ < kMvrPacketHeaderBytes) return {};
+      if (header_size_ < kMvrPacketHeaderBytes) return all.size();
       FL_TRY(begin_packet());
     }
     const std::size_t size = static_cast<std::size_t>(std::min<std::uint64_t>(bytes.size(), left_bytes_));
@@ -113,9 +123,9 @@ Status MvrPacketReader::read(std::span<const std::uint8_t> bytes, MvrPacketRecei
     }
     left_bytes_ -= size;
     bytes = bytes.subspan(size);
-    if (left_bytes_ > 0) return {};
+    if (left_bytes_ > 0) return all.size();
     FL_TRY(end_packet(receiver));
-    if (bytes.empty()) return {};
+    if (bytes.empty() || !in_message_) return all.size() - bytes.size();
   }
 }
 

@@ -207,11 +207,28 @@ std::span<const std::uint8_t> MvrAnswering::to_send() const {
   return bytes.subspan(sent_);
 }
 
-void MvrAnswering::sent(std::size_t size) {
+Status MvrAnswering::sent(std::size_t size) {
   sent_ += size;
-  if (!to_send().empty()) return;
+  if (!to_send().empty()) return {};
   queue_.pop_front();
   sent_ = 0;
+  return read_on();
+}
+
+Status MvrAnswering::receive(std::span<const std::uint8_t> bytes) {
+  unread_.insert(unread_.end(), bytes.begin(), bytes.end());
+  return read_on();
+}
+
+Status MvrAnswering::read_on() {
+  while (queue_.empty() && unread_at_ < unread_.size()) {
+    FL_ASSIGN(const std::size_t size, reader_.read_message(std::span(unread_).subspan(unread_at_), *this));
+    unread_at_ += size;
+  }
+  if (unread_at_ < unread_.size()) return {};
+  unread_.clear();
+  unread_at_ = 0;
+  return {};
 }
 
 Status MvrAnswering::receive_json(std::string_view text) {
@@ -246,8 +263,9 @@ MvrAsking::MvrAsking(const MvrMessage& request, MvrFileSink* sink)
       packet_(build_mvr_json(build_mvr_message(request))) {}
 
 Status MvrAsking::receive(std::span<const std::uint8_t> bytes) {
-  if (done()) return {};  // what comes after the answer is not read
-  return reader_.read(bytes, *this);
+  if (done()) return {};
+  const Status read = reader_.read(bytes, *this);
+  return done() ? Status() : read;  // what comes after the answer is no error, whatever it is
 }
 
 Status MvrAsking::closed() const {

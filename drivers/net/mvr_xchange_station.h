@@ -24,8 +24,7 @@ namespace footlight::drivers {
 
 inline constexpr std::size_t kMvrOffersMax = 8;  // revisions that a station keeps; the oldest is dropped for a new one
 inline constexpr std::uint64_t kMvrOffersBytesMax = 256u << 20;  // of all of them; the newest is kept whatever its size
-inline constexpr std::size_t kMvrPeersMax = 256;    // stations that are known; more are answered, and not listed
-inline constexpr std::size_t kMvrCommitsMax = 200;  // of one station; the newest are kept
+inline constexpr std::size_t kMvrPeersMax = 256;  // stations that are known; more are answered, and not listed
 
 using MvrFileBytes = std::shared_ptr<const std::vector<std::uint8_t>>;
 
@@ -109,11 +108,12 @@ class MvrAnswering final : private MvrPacketReceiver {
  public:
   explicit MvrAnswering(MvrStation& station) : station_(station) {}
   // Errors (kProtocol): bytes that are no message, an answer or a file. Close the connection then.
-  Status receive(std::span<const std::uint8_t> bytes) { return reader_.read(bytes, *this); }
+  [[nodiscard]] Status receive(std::span<const std::uint8_t> bytes);
   // The next bytes to send, valid until sent(); empty: none. Receive nothing meanwhile, so that a peer that reads
-  // nothing does not fill the memory.
+  // nothing does not fill the memory. A message that came with others is read when those are answered.
   [[nodiscard]] std::span<const std::uint8_t> to_send() const;
-  void sent(std::size_t size);
+  // Errors as of receive(), from messages that had to wait.
+  [[nodiscard]] Status sent(std::size_t size);
   // Nothing is to send, and no message has begun.
   [[nodiscard]] bool idle() const { return queue_.empty() && reader_.between_messages(); }
 
@@ -122,14 +122,18 @@ class MvrAnswering final : private MvrPacketReceiver {
   Status receive_file_part(std::span<const std::uint8_t> bytes, std::uint64_t total_bytes) override;
   Status receive_file_end() override;
 
+  Status read_on();
+
   struct Piece {
     std::vector<std::uint8_t> own;
     MvrFileBytes file;  // null: `own`
   };
   MvrStation& station_;
   MvrPacketReader reader_;
-  std::deque<Piece> queue_;
-  std::size_t sent_ = 0;  // of the first piece
+  std::deque<Piece> queue_;  // the answer to one message
+  std::size_t sent_ = 0;     // of the first piece
+  std::vector<std::uint8_t> unread_;
+  std::size_t unread_at_ = 0;  // what is before has been read
 };
 
 // Receives a file.

@@ -186,18 +186,18 @@ bool MvrServer::step(Connection& connection, TimeNs now_ns) {
       return false;
     }
     moved += got.size;
-    connection.moved_ns = now_ns;
-    if (sends) {
-      connection.answering.sent(got.size);
-      continue;
-    }
-    if (const Status received = connection.answering.receive(std::span(buffer).first(got.size)); !received) {
-      add_fault(connection, received.error().message);
+    const bool begins = connection.answering.idle();
+    const Status moves =
+        sends ? connection.answering.sent(got.size) : connection.answering.receive(std::span(buffer).first(got.size));
+    if (!moves) {
+      add_fault(connection, moves.error().message);
       return false;
     }
+    const bool ends = connection.answering.idle() || !connection.answering.to_send().empty();
+    if (sends || begins || ends) connection.moved_ns = now_ns;
   }
   if (connection.answering.idle() || now_ns - connection.moved_ns < kMvrSilenceNs) return true;
-  add_fault(connection, fmt::format("silent for {} within a message", seconds_text(kMvrSilenceNs)));
+  add_fault(connection, fmt::format("no whole message within {}", seconds_text(kMvrSilenceNs)));
   return false;
 }
 
@@ -260,8 +260,8 @@ Result<bool> MvrClient::step(TimeNs now_ns) {
   }
   const DurationNs limit_ns = connected_ ? kMvrSilenceNs : kMvrConnectNs;
   if (now_ns - moved_ns_ < limit_ns) return false;
-  return failed({ErrorCode::kTimeout,
-                 fmt::format("no {} within {}", connected_ ? "answer" : "connection", seconds_text(limit_ns))});
+  const char* const missing = !connected_ ? "connection" : asking_.file_bytes() > 0 ? "more of the file" : "answer";
+  return failed({ErrorCode::kTimeout, fmt::format("no {} within {}", missing, seconds_text(limit_ns))});
 }
 
 Result<bool> MvrClient::move_bytes(TimeNs now_ns) {
@@ -278,12 +278,13 @@ Result<bool> MvrClient::move_bytes(TimeNs now_ns) {
       return true;
     }
     moved += got.size;
-    moved_ns_ = now_ns;
     if (sends) {
       asking_.sent(got.size);
       continue;
     }
+    const std::uint64_t file_bytes = asking_.file_bytes();
     FL_TRY(asking_.receive(std::span(buffer).first(got.size)));
+    if (asking_.file_bytes() != file_bytes) moved_ns_ = now_ns;
     if (asking_.done()) return true;
   }
   return false;

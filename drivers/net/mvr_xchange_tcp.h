@@ -21,9 +21,10 @@
 
 namespace footlight::drivers {
 
-inline constexpr std::size_t kMvrConnectionsMax = 32;      // accepted; the one that is silent longest makes room
-inline constexpr DurationNs kMvrConnectNs = 5 * kNsPerS;   // to a station that does not answer
-inline constexpr DurationNs kMvrSilenceNs = 15 * kNsPerS;  // of a connection with an unfinished message
+inline constexpr std::size_t kMvrConnectionsMax = 32;     // accepted; the one that is silent longest makes room
+inline constexpr DurationNs kMvrConnectNs = 5 * kNsPerS;  // to a station that does not answer
+// For a whole message, or an answer that is no file: bytes that drip do not prolong it. For a file: without a byte.
+inline constexpr DurationNs kMvrSilenceNs = 15 * kNsPerS;
 
 // IPv4 in host byte order.
 struct MvrAddress {
@@ -55,7 +56,7 @@ class MvrServer {
     Fd socket;
     MvrAddress peer;
     MvrAnswering answering;
-    TimeNs moved_ns = 0;  // when bytes came or went the last time
+    TimeNs moved_ns = 0;  // when a message began or ended, or bytes went, the last time
   };
   MvrServer(Fd listener, std::uint16_t port, MvrStation& station);
   void accept_all(TimeNs now_ns);
@@ -98,7 +99,7 @@ class MvrClient {
   Fd socket_;
   MvrAsking asking_;
   bool connected_ = false;
-  TimeNs moved_ns_;
+  TimeNs moved_ns_;  // when the connection was opened, or bytes of the file came the last time
 };
 
 }  // namespace footlight::drivers

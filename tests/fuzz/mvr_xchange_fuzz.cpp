@@ -100,7 +100,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       MvrStation desk = station();
       MvrAnswering answering(desk);
       feed(answering, bytes, cut);
-      while (!answering.to_send().empty()) answering.sent(answering.to_send().size());
+      while (!answering.to_send().empty()) {
+        if (!answering.sent(answering.to_send().size())) break;
+      }
       break;
     }
     case 1: {

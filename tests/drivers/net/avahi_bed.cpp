@@ -18,6 +18,9 @@
 namespace footlight::testing {
 namespace {
 
+constexpr const char* kAvahiDaemon = "/usr/sbin/avahi-daemon";
+constexpr const char* kBusDaemon = "/usr/bin/dbus-daemon";
+
 constexpr const char* kBusConfig = R"(<!DOCTYPE busconfig PUBLIC "-//freedesktop//DTD D-Bus Bus Configuration 1.0//EN"
  "http://www.freedesktop.org/standards/dbus/1.0/busconfig.dtd">
 <busconfig>
@@ -101,14 +104,16 @@ void stop(pid_t& pid) {
 
 }  // namespace
 
+bool AvahiBed::is_installed() { return ::access(kAvahiDaemon, X_OK) == 0 && ::access(kBusDaemon, X_OK) == 0; }
+
 AvahiBed::AvahiBed() {
   const std::string address = "unix:path=" + folder().file("bus");
   ::unlink(folder().file("bus").c_str());
   folder().write("bus.conf", fmt::format(kBusConfig, folder().file("bus")));
   folder().write("avahi.conf", kAvahiConfig);
-  const Started bus = start(
-      {"dbus-daemon", "--config-file=" + folder().file("bus.conf"), "--nofork", "--nopidfile", "--print-address=1"},
-      address);
+  const Started bus =
+      start({kBusDaemon, "--config-file=" + folder().file("bus.conf"), "--nofork", "--nopidfile", "--print-address=1"},
+            address);
   bus_ = bus.pid;
   if (!bus.ready) return;
   ::setenv("DBUS_SYSTEM_BUS_ADDRESS", address.c_str(), 1);
@@ -116,8 +121,8 @@ AvahiBed::AvahiBed() {
 }
 
 bool AvahiBed::start_daemon() {
-  const Started daemon = start({"/usr/sbin/avahi-daemon", "-f", folder().file("avahi.conf"), "--no-drop-root",
-                                "--no-chroot", "--no-rlimits", "--no-proc-title"},
+  const Started daemon = start({kAvahiDaemon, "-f", folder().file("avahi.conf"), "--no-drop-root", "--no-chroot",
+                                "--no-rlimits", "--no-proc-title"},
                                "Server startup complete");
   daemon_ = daemon.pid;
   return daemon.ready;

@@ -12,7 +12,8 @@ class AvahiBed {
   ~AvahiBed();
   AvahiBed(const AvahiBed&) = delete;
   AvahiBed& operator=(const AvahiBed&) = delete;
-  // False: avahi-daemon or dbus-daemon is not installed, or does not start (reported on stderr).
+  [[nodiscard]] static bool is_installed();  // avahi-daemon and dbus-daemon
+  // False: one does not start (reported on stderr).
   [[nodiscard]] bool runs() const { return runs_; }
   void stop_daemon();
   [[nodiscard]] bool start_daemon();

@@ -52,8 +52,9 @@ std::vector<MvrFound> sorted(std::vector<MvrFound> found) {
 
 TEST_CASE("stations of two groups find each other, a taken name gets a number, and those that end are gone") {
   if (!network_runs()) return;
+  if (!AvahiBed::is_installed()) return;
   AvahiBed bed;
-  if (!bed.runs()) return;
+  REQUIRE(bed.runs());
   auto desk = must(open_mvr_discovery());
   auto view = must(open_mvr_discovery());
   auto twin = must(open_mvr_discovery());
@@ -79,22 +80,40 @@ TEST_CASE("stations of two groups find each other, a taken name gets a number, a
   CHECK(steps_until({view.get()}, [&] { return view->found().size() == 1; }));
 }
 
+TEST_CASE("a name that the daemon does not take is a trouble until another one is announced") {
+  if (!network_runs()) return;
+  if (!AvahiBed::is_installed()) return;
+  AvahiBed bed;
+  REQUIRE(bed.runs());
+  const auto desk = must(open_mvr_discovery());
+  desk->announce({"FOH \xFF", kDeskUuid, "Tour", 42424});
+  REQUIRE(steps_until({desk.get()}, [&] { return !desk->trouble().empty(); }));
+  CHECK(desk->announced_name().empty());
+  CHECK(desk->trouble().find("choose another name") != std::string::npos);
+  desk->announce({"FOH", kDeskUuid, "Tour", 42424});
+  REQUIRE(steps_until({desk.get()}, [&] { return desk->announced_name() == "FOH"; }));
+  CHECK(desk->trouble().empty());
+}
+
 TEST_CASE("a station is announced and found again when the daemon has ended and is back") {
   if (!network_runs()) return;
+  if (!AvahiBed::is_installed()) return;
   AvahiBed bed;
-  if (!bed.runs()) return;
+  REQUIRE(bed.runs());
   const auto desk = must(open_mvr_discovery());
   desk->announce({"Desk", kDeskUuid, "Tour", 42424});
   REQUIRE(steps_until({desk.get()}, [&] { return desk->found().size() == 1; }));
   bed.stop_daemon();
-  REQUIRE(steps_until({desk.get()}, [&] { return desk->found().empty(); }));
+  REQUIRE(steps_until({desk.get()}, [&] { return desk->found().empty() && !desk->trouble().empty(); }));
   CHECK(desk->announced_name().empty());
+  CHECK(desk->trouble().find("systemctl start avahi-daemon") != std::string::npos);
   const auto without = open_mvr_discovery();
   REQUIRE(!without);
   CHECK(without.error().code == ErrorCode::kNotFound);
   CHECK(without.error().message.find("avahi-daemon") != std::string::npos);
   REQUIRE(bed.start_daemon());
   CHECK(steps_until({desk.get()}, [&] { return desk->found().size() == 1 && !desk->announced_name().empty(); }));
+  CHECK(desk->trouble().empty());
 }
 
 constexpr std::uint32_t kMdnsGroup = 0xE00000FB;
@@ -103,8 +122,9 @@ constexpr std::uint16_t kMdnsPort = 5353;
 TEST_CASE(
     "to Wireshark an announced station is an instance of the service and of its group, with host, port and texts") {
   if (!network_runs()) return;
+  if (!AvahiBed::is_installed()) return;
   AvahiBed bed;
-  if (!bed.runs()) return;
+  REQUIRE(bed.runs());
   const Fd receiver = must(open_receiver({.port_name = "mdns", .udp_port = kMdnsPort}));
   REQUIRE(join_group(receiver, kMdnsGroup, must(find_interface("mdns", "fl7")).index) == 0);
   const auto desk = must(open_mvr_discovery());
@@ -190,8 +210,9 @@ class OtherMachine {
 
 TEST_CASE("a station of another machine whose instance is only its group is found, and gone after its goodbye") {
   if (!OtherMachine::connect()) return;
+  if (!AvahiBed::is_installed()) return;
   AvahiBed bed;
-  if (!bed.runs()) return;
+  REQUIRE(bed.runs());
   const OtherMachine other;
   const auto view = must(open_mvr_discovery());
   view->step(0);
@@ -204,8 +225,9 @@ TEST_CASE("a station of another machine whose instance is only its group is foun
 
 TEST_CASE("a name that another machine defends gets a number") {
   if (!OtherMachine::connect()) return;
+  if (!AvahiBed::is_installed()) return;
   AvahiBed bed;
-  if (!bed.runs()) return;
+  REQUIRE(bed.runs());
   const OtherMachine other;
   const auto desk = must(open_mvr_discovery());
   desk->announce({"Desk", kDeskUuid, "Tour", 42424});

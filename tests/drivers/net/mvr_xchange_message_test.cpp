@@ -18,7 +18,6 @@ MvrCommit some_commit() {
   MvrCommit commit;
   commit.file_uuid = kFile;
   commit.station_uuid = kStation;
-  commit.for_stations = {kFile};
   commit.version_major = 1;
   commit.version_minor = 6;
   commit.file_bytes = 12'345'678'901;
@@ -132,11 +131,10 @@ TEST_CASE("values of a wrong type, unknown types and missing texts are refused w
            R"({"Type":"MVR_LEAVE"})",
            R"({"Type":"MVR_COMMIT"})",
            R"({"Type":"MVR_COMMIT","FileUUID":""})",
-           R"({"Type":"MVR_COMMIT","FileUUID":"y","ForStationsUUID":7})",
-           R"({"Type":"MVR_COMMIT","FileUUID":"y","ForStationsUUID":[7]})",
            R"({"Type":"MVR_COMMIT_RET","OK":"maybe"})",
            R"({"Type":"MVR_COMMIT_RET","OK":1})",
            R"({"Type":"MVR_REQUEST","FromStationUUID":{}})",
+           R"({"Type":"MVR_REQUEST","FromStationUUID":[7]})",
            "{\"Type\":\"MVR_LEAVE\",\"StationUUID\":\"\xFF\"}",
        }) {
     CAPTURE(json);
@@ -152,6 +150,31 @@ TEST_CASE("values within values, a million deep, are refused without a crash") {
   const std::string deep = std::string(500'000, '[') + std::string(500'000, ']');
   CHECK(refused(deep));
   CHECK(refused(R"({"Type":"MVR_JOIN","StationUUID":)" + deep + "}"));
+}
+
+TEST_CASE("of the list of a join the last commits are kept, and of a commit not whom it is for") {
+  const std::string many = R"("x")" + [] {
+    std::string more;
+    for (int i = 0; i < 200'000; ++i) more += R"(,"x")";
+    return more;
+  }();
+  const auto commit =
+      must(parse_mvr_message(R"({"Type":"MVR_COMMIT","FileUUID":"y","ForStationsUUID":[)" + many + "]}"));
+  CHECK(build_mvr_message(commit).size() < 1'000);
+  MvrMessage join = some_message(MvrMessageType::kJoin);
+  join.commits.assign(kMvrCommitsMax + 5, some_commit());
+  for (std::size_t i = 0; i < join.commits.size(); ++i) join.commits[i].file_uuid = fmt::format("{}", i);
+  const auto read = must(parse_mvr_message(build_mvr_message(join)));
+  CHECK(read.commits.size() == kMvrCommitsMax);
+  CHECK(read.commits.capacity() == kMvrCommitsMax);
+  CHECK(read.commits.front().file_uuid == "5");
+}
+
+TEST_CASE("own texts are sent as long as other stations' texts are read") {
+  MvrMessage commit = some_message(MvrMessageType::kCommit);
+  commit.commits[0].comment.assign(100'000, 'c');
+  commit.commits[0].file_name.assign(100'000, 'n');
+  CHECK(build_mvr_message(commit).size() < 6'000);
 }
 
 TEST_CASE("UUIDs are compared without case and braces") {

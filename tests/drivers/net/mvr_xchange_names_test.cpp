@@ -18,9 +18,13 @@ TEST_CASE("a name is read as it was written, and no prefix of it is read") {
     CAPTURE(size);
     CHECK(!parse_dns_name(std::span(bytes).first(size)));
   }
-  CHECK(!parse_dns_name(Octets{1, 'a', 0, 0}));     // bytes after the end
-  CHECK(!parse_dns_name(Octets{0xC0, 12}));         // a pointer
-  CHECK(!parse_dns_name(Octets(Octets(300, 1))));   // longer than a name may be
+  CHECK(!parse_dns_name(Octets{1, 'a', 0, 0}));  // bytes after the end
+  CHECK(!parse_dns_name(Octets{0xC0, 12}));      // a pointer
+  Octets longest(255, 1);                        // labels of one octet
+  longest.back() = 0;
+  CHECK(parse_dns_name(longest).has_value());
+  longest.insert(longest.begin(), {1, 1});
+  CHECK(!parse_dns_name(longest));                  // longer than a name may be
   CHECK(parse_dns_name(Octets{0}) == DnsLabels());  // the root
 }
 

@@ -25,7 +25,7 @@ Status carry(MvrAsking& asking, MvrAnswering& answering, std::size_t piece = 100
     if (const auto bytes = answering.to_send(); !bytes.empty()) {
       const auto part = bytes.first(std::min(piece, bytes.size()));
       FL_TRY(asking.receive(part));
-      answering.sent(part.size());
+      FL_TRY(answering.sent(part.size()));
     }
   }
   return {};
@@ -155,11 +155,38 @@ TEST_CASE("two requests on one connection are answered in their order") {
       file_came_first = !leaving.done();
       must(leaving.receive(part));
     }
-    answering.sent(part.size());
+    must(answering.sent(part.size()));
   }
   CHECK(file_came_first);
   CHECK(sink.bytes == *file);
   CHECK(leaving.done());
+}
+
+TEST_CASE("messages that came in one piece are answered one by one, so that answers do not fill the memory") {
+  Pair pair;
+  const std::string join = build_mvr_json(build_mvr_message(pair.view.join()));
+  std::string all;
+  for (int i = 0; i < 500; ++i) all += join;
+  all += "no packet, and more than the twenty-eight octets of a header";
+  MvrAnswering answering(pair.desk);
+  must(answering.receive({reinterpret_cast<const std::uint8_t*>(all.data()), all.size()}));
+  CHECK(pair.desk.take_events().size() == 1);
+  CHECK(!answering.idle());
+  for (int i = 0; i < 499; ++i) must(answering.sent(answering.to_send().size()));
+  CHECK(pair.desk.take_events().size() == 499);
+  const Status last = answering.sent(answering.to_send().size());
+  REQUIRE(!last);
+  CHECK(last.error().code == ErrorCode::kProtocol);
+}
+
+TEST_CASE("a file is whole although bytes that are no packet follow it in the same piece") {
+  MemorySink sink;
+  MvrAsking asking(request_of(kOldFile), &sink);
+  const auto head = build_mvr_header({0, 1, MvrPayload::kFile, 4});
+  const std::string stream = std::string(head.begin(), head.end()) + "PK\3\4" + std::string(100, '\n');
+  must(asking.receive({reinterpret_cast<const std::uint8_t*>(stream.data()), stream.size()}));
+  CHECK(asking.has_file());
+  CHECK(sink.bytes.size() == 4);
 }
 
 TEST_CASE("a file in many packets, with a commit in front of it, is received whole") {
@@ -199,7 +226,7 @@ TEST_CASE("a connection that closes before the answer is whole is an error that 
     const auto part = answering.to_send();
     const auto piece = part.first(std::min<std::size_t>(part.size(), 30));
     must(asking.receive(piece));
-    answering.sent(piece.size());
+    must(answering.sent(piece.size()));
   }
   const Status closed = asking.closed();
   REQUIRE(!closed);

@@ -186,6 +186,59 @@ TEST_CASE("a station that accepts and is silent is a timeout, and so is a messag
   CHECK(desk.server->connection_count() == 1);  // the idle one may stay
 }
 
+TEST_CASE("bytes that drip and messages that are no answer do not prolong the time for an answer") {
+  const MvrStation view("View", kViewUuid);
+  const std::string other = build_mvr_json(build_mvr_message(view.leave()));
+  for (const std::string& drip : {other, other.substr(0, 3)}) {
+    OddStation odd;
+    const auto client = must(MvrClient::open("Odd", {kHere, odd.port}, view.join(), kStartNs));
+    const Fd kept = odd.accept();
+    REQUIRE(!must(client->step(kStartNs)));
+    send_text(kept, drip);
+    std::vector<pollfd> waiting;
+    client->add_descriptors(waiting);
+    poll_some(waiting);
+    REQUIRE(!must(client->step(kStartNs + kMvrSilenceNs - 1)));
+    const auto late = client->step(kStartNs + kMvrSilenceNs);
+    REQUIRE(!late);
+    CHECK(late.error().code == ErrorCode::kTimeout);
+  }
+}
+
+TEST_CASE("a message to this station that drips ends its connection as one that stops") {
+  const MvrStation view("View", kViewUuid);
+  const std::string other = build_mvr_json(build_mvr_message(view.leave()));
+  Desk desk;
+  const Fd half = plain_connection(desk.address());
+  send_text(half, other.substr(0, 3));
+  REQUIRE(steps_until(*desk.server, kStartNs, [&] { return desk.server->connection_count() == 1; }));
+  send_text(half, other.substr(3, 5));
+  desk.server->step(kStartNs + kMvrSilenceNs - 1);
+  CHECK(desk.server->connection_count() == 1);
+  desk.server->step(kStartNs + kMvrSilenceNs);
+  CHECK(desk.server->connection_count() == 0);
+}
+
+TEST_CASE("a file may take longer than an answer while its bytes come") {
+  OddStation odd;
+  MemorySink sink;
+  const auto client = must(MvrClient::open("Odd", {kHere, odd.port}, request_of(""), kStartNs, &sink));
+  const Fd kept = odd.accept();
+  REQUIRE(!must(client->step(kStartNs)));
+  const auto head = build_mvr_header({0, 1, MvrPayload::kFile, 100});
+  std::vector<pollfd> waiting;
+  for (int i = 1; i < 4; ++i) {
+    send_text(kept, (i == 1 ? std::string(head.begin(), head.end()) : "") + "1");
+    client->add_descriptors(waiting);
+    poll_some(waiting);
+    REQUIRE(!must(client->step(kStartNs + i * (kMvrSilenceNs - 1))));
+    CHECK(sink.bytes.size() == static_cast<std::size_t>(i));
+  }
+  const auto late = client->step(kStartNs + 4 * kMvrSilenceNs);
+  REQUIRE(!late);
+  CHECK(late.error().message.find("more of the file") != std::string::npos);
+}
+
 TEST_CASE("a port without a station is an error that names it") {
   OddStation odd;
   const std::uint16_t port = odd.port;
@@ -255,6 +308,7 @@ class FakeDiscovery final : public MvrDiscovery {
   [[nodiscard]] std::vector<MvrFound> found() const override { return stations; }
   void announce(const MvrAnnouncement&) override {}
   [[nodiscard]] std::string announced_name() const override { return ""; }
+  [[nodiscard]] std::string trouble() const override { return ""; }
   std::vector<MvrFound> stations;
 };
 
@@ -301,6 +355,109 @@ TEST_CASE("a group joins what is found in it, commits, leaves, and joins again w
   step_all(group, desk, kStartNs);
   CHECK(!desk.station.peers()[0].joined);
   CHECK(!group.members()[0].joined);
+}
+
+TEST_CASE("a join that is answered while the group leaves is followed by the leave") {
+  Desk desk;
+  MvrStation view("View", kViewUuid);
+  MvrGroup group(view, nullptr, "", {desk.address()});
+  group.step(kStartNs);
+  REQUIRE(group.busy());
+  group.leave(kStartNs);
+  step_all(group, desk, kStartNs);
+  REQUIRE(desk.station.peers().size() == 1);
+  CHECK(!desk.station.peers()[0].joined);
+  CHECK(!group.members()[0].joined);
+}
+
+TEST_CASE("a station that changes its group or its UUID at the same address is another one") {
+  Desk desk;
+  MvrStation view("View", kViewUuid);
+  FakeDiscovery discovery;
+  discovery.stations = {{"Desk", kDeskUuid, "Tour", desk.address()}};
+  MvrGroup group(view, &discovery, "Tour", {});
+  step_all(group, desk, kStartNs);
+  REQUIRE(group.members().size() == 1);
+  discovery.stations[0].group = "Rehearsal";
+  step_all(group, desk, kStartNs);
+  CHECK(group.members().empty());
+  discovery.stations[0].group = "TOUR";
+  step_all(group, desk, kStartNs);
+  (void)desk.station.take_events();
+  discovery.stations[0].uuid = kOldFile;
+  step_all(group, desk, kStartNs);
+  CHECK(group.members().size() == 1);
+  CHECK(desk.station.take_events().size() == 1);  // a join
+}
+
+TEST_CASE("a station that refuses a file is not one that has it, and is joined again") {
+  OddStation odd;
+  MvrStation view("View", kViewUuid);
+  MvrGroup group(view, nullptr, "", {{kHere, odd.port}});
+  const auto answer = [&](const MvrMessage& message) {
+    group.step(kStartNs);
+    const Fd socket = odd.accept();
+    send_text(socket, build_mvr_json(build_mvr_message(message)));
+    std::vector<pollfd> waiting;
+    for (int i = 0; i < 200 && group.busy(); ++i) {
+      group.add_descriptors(waiting);
+      poll_some(waiting);
+      group.step(kStartNs);
+    }
+  };
+  MvrMessage welcome = mvr_answer(MvrMessageType::kJoin, true);
+  welcome.station_uuid = kDeskUuid;
+  answer(welcome);
+  REQUIRE(group.members()[0].joined);
+  view.offer(commit_of(kNewFile), some_file(4));
+  answer(mvr_answer(MvrMessageType::kCommit, false, "show is locked"));
+  CHECK(!group.members()[0].joined);
+  CHECK(group.members()[0].trouble.find("show is locked") != std::string::npos);
+  group.step(kStartNs + kMvrRejoinNs);
+  CHECK(group.busy());
+}
+
+TEST_CASE("a station is joined at its next address if the first fails, also when no other is joined any more") {
+  OddStation odd;
+  const MvrAddress dead = {kHere, odd.port};
+  odd.listener.reset();
+  Desk desk;
+  MvrStation view("View", kViewUuid);
+  FakeDiscovery discovery;
+  discovery.stations = {{"Desk", kDeskUuid, "Tour", dead, {desk.address()}}};
+  MvrGroup group(view, &discovery, "", {});
+  group.step(kStartNs);
+  REQUIRE(group.busy());
+  group.stop_joining();
+  discovery.stations.push_back({"Late", "x", "Tour", {kHere, 9}});
+  step_all(group, desk, kStartNs);
+  REQUIRE(group.members().size() == 2);
+  CHECK(group.members()[0].joined);
+  CHECK(group.members()[0].station.address == desk.address());
+  CHECK(!group.members()[1].joined);
+  CHECK(group.members()[1].trouble.empty());  // not tried
+}
+
+TEST_CASE("a station of which no address answers is asked again after half a minute") {
+  OddStation first, second;
+  const std::vector<MvrAddress> dead = {{kHere, first.port}, {kHere, second.port}};
+  first.listener.reset();
+  second.listener.reset();
+  Desk unused;
+  MvrStation view("View", kViewUuid);
+  FakeDiscovery discovery;
+  discovery.stations = {{"Desk", kDeskUuid, "Tour", dead[0], {dead[1]}}};
+  MvrGroup group(view, &discovery, "", {});
+  step_all(group, unused, kStartNs);
+  CHECK(!group.busy());
+  REQUIRE(group.members().size() == 1);
+  CHECK(group.members()[0].trouble.find("cannot connect") != std::string::npos);
+  CHECK(group.members()[0].retry_ns == kStartNs + kMvrRejoinNs);
+  Desk desk;
+  discovery.stations[0].others = {dead[1], desk.address()};  // found later
+  step_all(group, desk, kStartNs + kMvrRejoinNs);
+  REQUIRE(group.members().size() == 1);
+  CHECK(group.members()[0].joined);
 }
 
 TEST_CASE("a station that cannot be joined is asked again after half a minute") {

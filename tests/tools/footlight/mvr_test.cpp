@@ -15,10 +15,13 @@
 #include <nlohmann/json.hpp>
 
 #include "drivers/net/mvr_xchange_tcp.h"
+#include "fixtures/files/export/write_file.h"
 #include "sim/system_clock.h"
 #include "tests/support/must.h"
 #include "tests/support/zip_bytes.h"
 #include "tests/tools/footlight/run_footlight.h"
+#include "tools/footlight/mvr/mvr_lines.h"
+#include "tools/footlight/mvr/received_file.h"
 #include "tools/footlight/mvr/shared_file.h"
 
 namespace footlight::testing {
@@ -55,7 +58,8 @@ std::string rig_bytes(const std::string& fixture, std::size_t padding = 0) {
 // A station of the test, which answers on a thread.
 class DeskThread {
  public:
-  explicit DeskThread(const std::string& content) {
+  explicit DeskThread(const std::string& content, const char* uuid = "4aa291a1-1a62-45fe-aabc-e90e5e2399a8")
+      : station_("Desk", uuid) {
     drivers::MvrCommit commit;
     commit.file_uuid = "11111111-2222-4333-8444-555555555555";
     commit.comment = "from the desk\x1B[31m";
@@ -81,7 +85,7 @@ class DeskThread {
   }
 
  private:
-  drivers::MvrStation station_{"Desk", "4aa291a1-1a62-45fe-aabc-e90e5e2399a8"};
+  drivers::MvrStation station_;
   std::unique_ptr<drivers::MvrServer> server_;
   std::jthread thread_;
 };
@@ -176,6 +180,83 @@ TEST_CASE("stations of which one has a file need no name, and texts of others ar
   CHECK(unknown.exit_code == 3);
   CHECK(contains(unknown.err, "'Desk'"));
   CHECK(footlight({"mvr", "get"}).exit_code == 2);
+}
+
+TEST_CASE("of stations with one name a UUID, an address or a file selects one, and the error lists them") {
+  const TempFolder folder;
+  const std::string rig = rig_bytes("Par 1");
+  const std::string second = "a7669ff9-bd61-4486-aea6-c190f8ba6b8c";
+  DeskThread one(rig);
+  DeskThread two(rig, second.c_str());
+  const auto get = [&](std::vector<std::string> words, const char* out) {
+    words.insert(words.begin(), {"mvr", "get"});
+    words.insert(words.end(), {"-o", folder.file(out), "--station", one.address(), "--station", two.address(),
+                               "--station", "127.0.0.1:9"});
+    return footlight(words);
+  };
+  const Outcome both = get({"Desk"}, "a.mvr");
+  CHECK(both.exit_code == 2);
+  for (const std::string& part : {one.address(), two.address(), second, std::string("127.0.0.1:9")}) {
+    CAPTURE(both.err);
+    CHECK(contains(both.err, part));
+  }
+  CHECK(get({second}, "b.mvr").exit_code == 0);
+  CHECK(get({"--file", "11111111-2222-4333-8444-555555555555"}, "c.mvr").exit_code == 0);
+  const Outcome none = get({"--file", "22222222-2222-4333-8444-555555555555"}, "d.mvr");
+  CHECK(none.exit_code == 3);
+  CHECK(contains(none.err, "cannot connect"));
+  CHECK(two.end().size() >= 2);
+}
+
+TEST_CASE("a station whose host has no address is an error that names the host, without a search") {
+  const TempFolder folder;
+  const std::string host(64, 'x');  // no server of names is asked for a label that is too long
+  const Outcome got = footlight({"mvr", "get", host + ":4711", "-o", folder.file("x.mvr")});
+  CHECK(got.exit_code == 3);
+  CHECK(contains(got.err, host + " has no IPv4 address"));
+}
+
+TEST_CASE("a file that appeared while another was received stays, unless it may be overwritten") {
+  const TempFolder folder;
+  const std::string path = folder.file("rig.mvr");
+  const std::string rig = rig_bytes("Par 1");
+  const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(rig.data()), rig.size());
+  for (const bool overwrite : {false, true}) {
+    tools::ReceivedFile file(path, overwrite);
+    must(file.open());
+    must(file.write(bytes, bytes.size()));
+    (void)folder.write("rig.mvr", "mine");
+    const auto line = file.finish();
+    CHECK(line.has_value() == overwrite);
+    CHECK(read_file(path) == (overwrite ? rig : "mine"));
+    if (!line) CHECK(contains(line.error().message, "exists"));
+  }
+  CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);
+}
+
+TEST_CASE("a part of a program that was killed does not stop the next one with its process number") {
+  const TempFolder folder;
+  const std::string path = folder.file("rig.mvr");
+  const std::string last = fixtures::part_name(path);  // "...-N.part"
+  const std::size_t dash = last.rfind('-');
+  const int next = std::stoi(last.substr(dash + 1)) + 1;
+  const std::string left = fmt::format("{}-{}.part.mvr", last.substr(0, dash), next);
+  std::ofstream(left) << "left over";
+  tools::ReceivedFile file(path, false);
+  CHECK(file.open().has_value());
+  CHECK(fs::file_size(left) == 0);
+}
+
+TEST_CASE("the command for a new file holds no text of a station but a UUID") {
+  drivers::MvrEvent event;
+  event.kind = drivers::MvrEvent::Kind::kCommitted;
+  event.station_name = "Desk";
+  event.commit.file_uuid = "{2E6F1D60-0c4b-4A8D-9E57-3A35E2B90B4D}";
+  CHECK(contains(tools::event_text(event), "footlight mvr get --file {2E6F1D60-0c4b-4A8D-9E57-3A35E2B90B4D} -o FILE"));
+  for (const char* uuid : {"1;reboot", "$(reboot)", "1 2", "1\n2"}) {
+    event.commit.file_uuid = uuid;
+    CHECK(!contains(tools::event_text(event), "footlight"));
+  }
 }
 
 TEST_CASE("a station that watches prints the files of others, at first and when new ones come") {

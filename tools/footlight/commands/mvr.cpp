@@ -1,10 +1,7 @@
 // footlight mvr: rigs from consoles and drawing programs over the network, by MVR-xchange.
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,12 +14,11 @@
 #include "drivers/net/mvr_xchange_group.h"
 #include "drivers/net/mvr_xchange_names.h"
 #include "drivers/net/net.h"
-#include "fixtures/files/export/write_file.h"
-#include "fixtures/files/import/import_rig.h"
 #include "sim/file_kind.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/mvr/mvr_lines.h"
+#include "tools/footlight/mvr/received_file.h"
 #include "tools/footlight/mvr/shared_file.h"
 #include "tools/footlight/status/status_text.h"
 #include "tools/footlight/stop_signal.h"
@@ -111,6 +107,20 @@ bool names_station(const MvrGroup::Member& member, const std::string& text) {
          text_of(member.station.address) == text;
 }
 
+bool offers(const MvrGroup::Member& member, const std::string& file_uuid) {
+  const auto& commits = member.peer.commits;
+  return std::any_of(commits.begin(), commits.end(),
+                     [&](const MvrCommit& one) { return drivers::same_uuid(one.file_uuid, file_uuid); });
+}
+
+// True: no station that may be found yet changes which one is chosen. Others may have the same name.
+bool is_sure(const Options& options, const MvrGroup::Member& member) {
+  if (!member.joined) return false;
+  const std::string& text = options.station;
+  if (!options.file.empty()) return (text.empty() || names_station(member, text)) && offers(member, options.file);
+  return !text.empty() && (drivers::same_uuid(member.station.uuid, text) || text_of(member.station.address) == text);
+}
+
 // Joins what is there until the time is over. Returns at once when the one that is searched for has answered, or when
 // all named stations have.
 void search(const Options& options, MvrGroup& group, bool discovers, StopSignal& signal, Clock& clock) {
@@ -119,11 +129,11 @@ void search(const Options& options, MvrGroup& group, bool discovers, StopSignal&
   while (!signal.came()) {
     group.step(clock.now_ns());
     const auto& members = group.members();
-    const bool found = !options.station.empty() && std::any_of(members.begin(), members.end(), [&](const auto& one) {
-      return one.joined && names_station(one, options.station);
-    });
+    const bool found =
+        std::any_of(members.begin(), members.end(), [&](const auto& one) { return is_sure(options, one); });
     // A station that was found in time has its own timeout for the answer.
     const bool over = !discovers || clock.now_ns() >= end_ns;
+    if (over) group.stop_joining();
     if (found || (over && !group.busy())) return;
     group.add_descriptors(waiting);
     wait_for(waiting);
@@ -145,7 +155,9 @@ Result<int> list_stations(const Options& options) {
   }
   leave(group, nullptr, clock);
   if (any) return kExitOk;
-  if (group.members().empty()) {
+  if (signal.came()) {
+    fmt::print(stderr, "footlight: stopped before a station had answered\n");
+  } else if (group.members().empty()) {
     fmt::print(stderr,
                "footlight: no station of MVR-xchange was found; switch it on there, in the same network, or name the "
                "station with --station ADDRESS:PORT\n");
@@ -153,102 +165,47 @@ Result<int> list_stations(const Options& options) {
   return kExitNotFound;
 }
 
-// The file beside its target, until it is whole and is a rig. Its name ends in ".mvr", so that the reader expects one.
-class PartFile final : public drivers::MvrFileSink {
- public:
-  explicit PartFile(std::string path)
-      : path_(std::move(path)), part_(fixtures::part_name(path_) + ".mvr"), shows_(::isatty(STDERR_FILENO) != 0) {}
-  ~PartFile() override {
-    if (file_ == nullptr && !closed_) return;
-    if (file_ != nullptr) std::fclose(file_);
-    std::remove(part_.c_str());
-  }
-  PartFile(const PartFile&) = delete;
-  PartFile& operator=(const PartFile&) = delete;
-
-  Status open() {
-    file_ = std::fopen(part_.c_str(), "wbx");
-    if (file_ != nullptr) return {};
-    return fail(ErrorCode::kIo, "{}: cannot be written ({}); choose a folder that exists and is yours", path_,
-                std::strerror(errno));
-  }
-
-  Status write(std::span<const std::uint8_t> bytes, std::uint64_t total_bytes) override {
-    if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) return failed();
-    bytes_ += bytes.size();
-    const int percent = static_cast<int>(bytes_ * 100 / std::max<std::uint64_t>(total_bytes, 1));
-    if (shows_ && percent != percent_) fmt::print(stderr, "\rfootlight: {} %\033[K", percent);
-    if (shows_ && percent == 100) fmt::print(stderr, "\r\033[K");
-    percent_ = percent;
-    return {};
-  }
-
-  // Reads it as a rig and gives it its name. Returns a line about the rig.
-  Result<std::string> finish() {
-    const bool written = std::fflush(file_) == 0 && ::fsync(::fileno(file_)) == 0;
-    closed_ = true;
-    if (std::fclose(std::exchange(file_, nullptr)) != 0 || !written) return failed();
-    FL_ASSIGN(std::string line, check_mvr(part_, path_));
-    std::error_code trouble;
-    std::filesystem::rename(part_, path_, trouble);
-    if (trouble) return fail(ErrorCode::kIo, "{}: cannot be written: {}", path_, trouble.message());
-    closed_ = false;
-    return line;
-  }
-  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
-
- private:
-  tl::unexpected<Error> failed() const {
-    return fail(ErrorCode::kIo, "{}: writing failed ({}); is the disk full?", path_, std::strerror(errno));
-  }
-
-  const std::string path_;
-  const std::string part_;
-  const bool shows_;
-  std::FILE* file_ = nullptr;
-  bool closed_ = false;  // the part is there, whole
-  std::uint64_t bytes_ = 0;
-  int percent_ = -1;
-};
-
-// The station that the command line means.
+// The station that the command line means. Stations that offer the file of --file are alike: the first is chosen.
 Result<const MvrGroup::Member*> choose_station(const Options& options, const MvrGroup& group) {
-  const MvrGroup::Member* chosen = nullptr;
-  std::string names;
+  std::vector<const MvrGroup::Member*> fitting;
+  std::string joined;
+  std::string troubles;
   for (const auto& member : group.members()) {
-    const bool fits = options.station.empty() || names_station(member, options.station);
-    if (fits && !member.joined && !member.trouble.empty() && group.members().size() == 1) {
-      return fail(ErrorCode::kNotFound, "{}", member.trouble);
+    if (!member.joined) {
+      if (!member.trouble.empty()) troubles += "\n  " + printable_line(member.trouble);
+      continue;
     }
-    if (!member.joined) continue;
-    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", printable_line(member.station.name));
-    if (!fits || (options.station.empty() && member.peer.commits.empty())) continue;
-    if (chosen != nullptr) {
-      return fail(ErrorCode::kBadInput, "several stations have files; name one by its name, UUID or address: {}",
-                  names);
-    }
-    chosen = &member;
+    joined += "\n  " + station_words(member);
+    if (!options.station.empty() && !names_station(member, options.station)) continue;
+    const bool has_file = options.file.empty() ? !member.peer.commits.empty() : offers(member, options.file);
+    if (has_file || (options.file.empty() && !options.station.empty())) fitting.push_back(&member);
   }
-  if (chosen != nullptr) return chosen;
-  if (names.empty()) {
-    return fail(
-        ErrorCode::kNotFound,
-        "no station of MVR-xchange was found; switch it on there, in the same network, or name the station with "
-        "--station ADDRESS:PORT");
+  if (fitting.size() == 1 || (!fitting.empty() && !options.file.empty())) return fitting.front();
+  if (!fitting.empty()) {
+    std::string names;
+    for (const auto* const member : fitting) names += "\n  " + station_words(*member);
+    return fail(ErrorCode::kBadInput, "several stations fit; name one by its UUID or address:{}{}", names, troubles);
   }
-  if (options.station.empty()) return fail(ErrorCode::kNotFound, "no station offers a file; found: {}", names);
-  return fail(ErrorCode::kNotFound, "{}: no such station; found: {}", printable_line(options.station), names);
+  std::string what = "no station of MVR-xchange was found";
+  if (!options.file.empty()) {
+    what = fmt::format("--file {}: no station offers it", printable_line(options.file));
+  } else if (!options.station.empty()) {
+    what = fmt::format("{}: no such station", printable_line(options.station));
+  } else if (!joined.empty()) {
+    what = "no station offers a file";
+  }
+  if (!joined.empty()) return fail(ErrorCode::kNotFound, "{}; found:{}{}", what, joined, troubles);
+  if (!troubles.empty()) return fail(ErrorCode::kNotFound, "{}:{}", what, troubles);
+  return fail(ErrorCode::kNotFound,
+              "{}; switch it on there, in the same network, or name the station with --station ADDRESS:PORT", what);
 }
 
 // The newest is the last of the list; a station without a list makes one.
-Result<MvrCommit> choose_commit(const Options& options, const MvrGroup::Member& member) {
+MvrCommit choose_commit(const Options& options, const MvrGroup::Member& member) {
   const auto& commits = member.peer.commits;
   if (options.file.empty()) return commits.empty() ? MvrCommit{} : commits.back();
-  for (const MvrCommit& commit : commits) {
-    if (drivers::same_uuid(commit.file_uuid, options.file)) return commit;
-  }
-  return fail(ErrorCode::kNotFound, "--file {}: '{}' does not offer it; 'footlight mvr stations' lists its files",
-              printable_line(options.file), printable_line(member.station.name));
+  return *std::find_if(commits.begin(), commits.end(),
+                       [&](const MvrCommit& one) { return drivers::same_uuid(one.file_uuid, options.file); });
 }
 
 Result<int> receive(const MvrGroup::Member& member, const MvrCommit& commit, const Options& options, StopSignal& signal,
@@ -257,7 +214,7 @@ Result<int> receive(const MvrGroup::Member& member, const MvrCommit& commit, con
   request.type = drivers::MvrMessageType::kRequest;
   request.file_uuid = commit.file_uuid;
   if (!member.station.uuid.empty()) request.from_stations = {member.station.uuid};
-  PartFile part(options.out);
+  ReceivedFile part(options.out, options.overwrite);
   FL_TRY(part.open());
   FL_ASSIGN(const auto client,
             MvrClient::open(member.station.name, member.station.address, request, clock.now_ns(), &part));
@@ -289,9 +246,12 @@ Result<int> get(Options options) {
   FL_TRY(refuse_existing(options.out, options.overwrite));
   // An address needs no search.
   if (options.stations.empty() && options.station.find(':') != std::string::npos) {
-    if (const auto address = drivers::find_mvr_address(options.station)) {
+    const auto address = drivers::find_mvr_address(options.station);
+    if (address) {
       options.stations.push_back(options.station);
       options.station = text_of(*address);
+    } else if (address.error().code == ErrorCode::kNotFound) {
+      return tl::unexpected(address.error());
     }
   }
   FL_ASSIGN(const auto addresses, addresses_of(options));
@@ -302,9 +262,9 @@ Result<int> get(Options options) {
   StopSignal signal;
   search(options, group, discovery != nullptr, signal, clock);
   const auto received = [&]() -> Result<int> {
+    if (signal.came()) return fail(ErrorCode::kIo, "{}: stopped; nothing is written", options.out);
     FL_ASSIGN(const auto* member, choose_station(options, group));
-    FL_ASSIGN(const MvrCommit commit, choose_commit(options, *member));
-    return receive(*member, commit, options, signal, clock);
+    return receive(*member, choose_commit(options, *member), options, signal, clock);
   }();
   leave(group, nullptr, clock);
   return received;
@@ -350,9 +310,11 @@ class Part {
       part->discovery_ = std::move(*opened);
       part->discovery_->announce({part->self_.name(), part->self_.uuid(), part->group_name_, part->server_->port()});
     } else {
-      fmt::print(stderr, "footlight: other stations do not find this one by themselves: {}\n", opened.error().message);
+      part->print_trouble(opened.error().message);
     }
-    part->group_ = std::make_unique<MvrGroup>(part->self_, part->discovery_.get(), part->group_name_, addresses);
+    // Where stations are named, others find this one, and it searches for none.
+    drivers::MvrDiscovery* const searches = addresses.empty() ? part->discovery_.get() : nullptr;
+    part->group_ = std::make_unique<MvrGroup>(part->self_, searches, part->group_name_, addresses);
     return part;
   }
 
@@ -366,6 +328,7 @@ class Part {
     while (reader && !signal.came() && clock.now_ns() < end_ns) {
       server_->add_descriptors(waiting);
       group_->add_descriptors(waiting);
+      if (discovery_ != nullptr) discovery_->add_descriptors(waiting);
       wait_for(waiting);
       if (turn(clock.now_ns())) {
         FL_ASSIGN(reader, flush_output());
@@ -395,10 +358,29 @@ class Part {
     if (file_) fmt::print("sharing: {}\n", commit_text(self_.offers().back()));
   }
 
+  static void print_trouble(const std::string& trouble) {
+    fmt::print(stderr, "footlight: other stations do not find this one by themselves: {}\n", printable_line(trouble));
+  }
+
+  // Each trouble, and each other name than the one of the command line, once.
+  void follow_announcement(TimeNs now_ns) {
+    if (discovery_ == nullptr) return;
+    discovery_->step(now_ns);
+    const std::string trouble = discovery_->trouble();
+    if (trouble != trouble_ && !trouble.empty()) print_trouble(trouble);
+    trouble_ = trouble;
+    const std::string name = discovery_->announced_name();
+    if (name.empty() || name == announced_) return;
+    announced_ = name;
+    if (name == drivers::dns_label(self_.name())) return;
+    fmt::print(stderr, "footlight: another station has this name; announced as '{}'\n", printable_line(name));
+  }
+
   // Events, faults, and a file that was changed meanwhile. True: something was printed.
   bool turn(TimeNs now_ns) {
     server_->step(now_ns);
     group_->step(now_ns);
+    follow_announcement(now_ns);
     bool printed = news_.print(*group_);
     for (const auto& event : self_.take_events()) {
       fmt::print("{}", options_.json ? event_json(event) : event_text(event));
@@ -424,6 +406,8 @@ class Part {
   MvrStation self_;
   std::optional<SharedFile> file_;
   StationNews news_;
+  std::string trouble_;    // of the announcement, as printed
+  std::string announced_;  // the name
   std::unique_ptr<drivers::MvrServer> server_;
   std::unique_ptr<drivers::MvrDiscovery> discovery_;
   std::unique_ptr<MvrGroup> group_;
@@ -469,7 +453,7 @@ void add_get(Arguments& mvr) {
   auto options = std::make_shared<Options>();
   arguments.word("STATION", options->station, "its name, UUID or address; not needed if only one has files");
   arguments.option("--out,-o", options->out, "FILE", "the file, written only if it is whole and a rig");
-  arguments.option("--file", options->file, "UUID", "the file of the station [the last of its list]");
+  arguments.option("--file", options->file, "UUID", "the file, of any station that offers it [the last of its list]");
   add_common(arguments, options);
   arguments.option("--group", options->group, "GROUP", "only stations of this group [all]");
   arguments.duration("--for", options->search_ns, "how long to search [3s]");

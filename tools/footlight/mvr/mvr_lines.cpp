@@ -23,6 +23,14 @@ Json json_of(const MvrCommit& commit) {
           {"version", fmt::format("{}.{}", commit.version_major, commit.version_minor)}};
 }
 
+// People copy the command into a shell, so that it holds no other signs of a station.
+std::string file_hint(const std::string& uuid) {
+  constexpr std::string_view kUuidSigns = "0123456789ABCDEFabcdef{}-";
+  const bool plain = uuid.find_first_not_of(kUuidSigns) == std::string::npos;
+  return fmt::format("{}{}{}", plain ? "footlight mvr get --file " : "file ", printable_line(uuid),
+                     plain ? " -o FILE" : "");
+}
+
 std::string line_of(const Json& json) { return json.dump() + "\n"; }
 
 }  // namespace
@@ -38,6 +46,12 @@ std::string commit_text(const MvrCommit& commit) {
   if (!commit.file_name.empty()) text += "  " + printable_line(commit.file_name);
   if (!commit.comment.empty()) text += "  \"" + printable_line(commit.comment) + "\"";
   return text;
+}
+
+std::string station_words(const drivers::MvrGroup::Member& member) {
+  const auto& station = member.station;
+  return fmt::format("'{}'  {}  {}", printable_line(station.name), printable_line(station.uuid),
+                     text_of(station.address));
 }
 
 std::string station_text(const drivers::MvrGroup::Member& member) {
@@ -75,9 +89,8 @@ std::string event_text(const drivers::MvrEvent& event) {
     case Kind::kJoined: return fmt::format("joined: {}\n", station);
     case Kind::kLeft: return fmt::format("left: {}\n", station);
     case Kind::kCommitted:
-      return fmt::format("new file of {}: {}\n  footlight mvr get --file {} -o FILE\n",
-                         station.empty() ? "a station" : station, commit_text(event.commit),
-                         printable_line(event.commit.file_uuid));
+      return fmt::format("new file of {}: {}\n  {}\n", station.empty() ? "a station" : station,
+                         commit_text(event.commit), file_hint(event.commit.file_uuid));
     case Kind::kSent: return fmt::format("sent: {}\n", printable_line(event.commit.file_name));
     case Kind::kRefused: return fmt::format("refused: {}\n", printable_line(event.text));
   }

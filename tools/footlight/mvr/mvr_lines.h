@@ -9,8 +9,9 @@
 
 namespace footlight::tools {
 
-[[nodiscard]] std::string size_text(std::uint64_t bytes);                 // "1.2 MB"
-[[nodiscard]] std::string commit_text(const drivers::MvrCommit& commit);  // size, file name, comment
+[[nodiscard]] std::string size_text(std::uint64_t bytes);                          // "1.2 MB"
+[[nodiscard]] std::string commit_text(const drivers::MvrCommit& commit);           // size, file name, comment
+[[nodiscard]] std::string station_words(const drivers::MvrGroup::Member& member);  // name, UUID and address
 // Lines with line ends: the station, then its files.
 [[nodiscard]] std::string station_text(const drivers::MvrGroup::Member& member);
 [[nodiscard]] std::string event_text(const drivers::MvrEvent& event);

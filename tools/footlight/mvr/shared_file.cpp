@@ -87,12 +87,24 @@ Result<SharedFile::Revision> SharedFile::read() const {
   return revision;
 }
 
+Result<std::optional<SharedFile::Revision>> SharedFile::read_unchanged() {
+  const auto before = mark_of(path_);
+  auto revision = read();
+  if (mark_of(path_) != before) return std::nullopt;
+  known_ = before;
+  if (!revision) return tl::unexpected(std::move(revision).error());
+  return std::optional(std::move(*revision));
+}
+
 Result<SharedFile> SharedFile::open(const std::string& path, const std::string& comment) {
   SharedFile file;
   file.path_ = path;
   file.comment_ = comment;
-  file.known_ = mark_of(path);
-  FL_ASSIGN(file.first_, file.read());
+  FL_ASSIGN(auto first, file.read_unchanged());
+  if (!first) {
+    return fail(ErrorCode::kIo, "{}: was changed while it was read; share it once it is written", path);
+  }
+  file.first_ = std::move(*first);
   file.last_uuid_ = file.first_.commit.file_uuid;
   return file;
 }
@@ -110,11 +122,10 @@ Result<std::optional<SharedFile::Revision>> SharedFile::poll(TimeNs now_ns) {
     changed_ns_ = now_ns;
   }
   if (now_ns - changed_ns_ < kRestNs) return std::nullopt;
-  known_ = mark;
-  FL_ASSIGN(Revision revision, read());
-  if (revision.commit.file_uuid == last_uuid_) return std::nullopt;
-  last_uuid_ = revision.commit.file_uuid;
-  return std::optional(std::move(revision));
+  FL_ASSIGN(auto revision, read_unchanged());
+  if (!revision || revision->commit.file_uuid == last_uuid_) return std::nullopt;
+  last_uuid_ = revision->commit.file_uuid;
+  return revision;
 }
 
 }  // namespace footlight::tools
