@@ -181,10 +181,10 @@ TEST_CASE("the universes panel names what is set by hand as the sender, over a l
   status.universes[0].universe = ui.rig.compiled.universes[0];
   status.universes[0].senders = {{.name = "by hand", .priority = 150, .wins = true}, {.name = "log:a", .wins = true}};
   const auto has = [&](const char* part) { return ui.words().find(part) != std::string::npos; };
-  CHECK(has("levels as the fixtures get them"));
+  CHECK(has("faders of the window"));
   ui.status = &status;
   CHECK(has("by hand (priority 150) + log:a (priority 100)"));
-  CHECK(!has("levels as the fixtures get them"));
+  CHECK(!has("faders of the window"));
   // Live, and nothing was sent for a minute: the hand is not lost, a console is.
   ui.stamps.resize(ui.rig.compiled.universes.size());
   ui.stamps[0].revision = 1;

@@ -7,15 +7,20 @@
 
 #include "drivers/midi/midi_device.h"
 #include "fixtures/model/rig.h"
+#include "tests/support/fake_ports.h"
 #include "tests/support/temp_folder.h"
 #include "tools/footlight/hand/control_map.h"
 #include "tools/footlight/hand/learn.h"
 #include "tools/footlight/hand/midi_hand.h"
 #include "tools/footlight/hand/osc_hand.h"
+#include "tools/footlight/hand/tempo_taps.h"
 
 namespace footlight::tools {
 namespace {
 
+using testing::FakeClock;
+using testing::FakeSource;
+using testing::FakeWaiter;
 using testing::TempFolder;
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
@@ -173,6 +178,38 @@ TEST_CASE("the next control that moves is learnt and does nothing, the one after
   phone.say("/footlight/1/17", {9});
   CHECK(phone.taker.commands.size() == 2);
   CHECK(!osc.moved().has_value());
+  osc.begin();
+  phone.say("/1/fader1", {3});
+  osc.end();  // before the window has asked
+  CHECK(!osc.moved().has_value());
+}
+
+TEST_CASE("a line that is on at the start, or when its device is back, is no tap of the tempo") {
+  FakeClock clock;
+  FakeWaiter waiter(clock);
+  auto lines = std::make_unique<FakeSource>(waiter, "lines", std::vector<Universe>{1});
+  FakeSource& line = *lines;
+  const auto tempo = std::make_shared<Tempo>();
+  TempoTaps taps(std::move(lines), tempo);
+  struct Nowhere final : FrameReceiver {
+    void receive(const FrameView&) override { FAIL("lines that tap deliver no frames"); }
+  } nowhere;
+  const auto turns = [&](std::uint8_t level, TimeNs at_ns) {
+    line.give(1, level, kPriorityDefault, at_ns);
+    REQUIRE(taps.poll(at_ns, nowhere));
+  };
+  turns(255, 1 * kNsPerS);
+  turns(0, 1'100 * kNsPerMs);
+  turns(255, 1'600 * kNsPerMs);  // the first tap
+  CHECK(tempo->beats_a_minute() == kTempoDefault);
+  line.end(1);
+  turns(0, 2 * kNsPerS);
+  line.end(1);
+  turns(255, 2'100 * kNsPerMs);  // it was on before the device was back
+  turns(0, 2'200 * kNsPerMs);
+  CHECK(tempo->beats_a_minute() == kTempoDefault);
+  turns(255, 2'350 * kNsPerMs);  // the second one, 750 ms after the first
+  CHECK(tempo->beats_a_minute() == doctest::Approx(80));
 }
 
 TEST_CASE("a map gives OSC addresses a target, and its rig the attributes of fixtures") {

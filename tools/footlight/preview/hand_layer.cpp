@@ -108,8 +108,8 @@ HttpAnswer HandLayer::answer(const HttpRequest& request) {
   const std::lock_guard lock(pages_mutex_);
   if (pages_) return pages_->answer(request);
   return {.status = 503,
-          .body = "nothing drives levels now: inputs are being opened, or no fixture has an address; try again, or patch "
-                  "one\n"};
+          .body = "nothing drives levels now: inputs are being opened, or no fixture has an address; try again, or "
+                  "patch one\n"};
 }
 
 void HandLayer::show_pages(Pump& pump) {

@@ -63,7 +63,9 @@ std::vector<std::string> Preview::inputs() const {
 
 // Empty: an input of levels can be added now.
 std::string Preview::why_no_input() const {
-  if (player_) return "A log drives the rig; start the window without it to add inputs of levels. Controls can be added.";
+  if (player_) {
+    return "A log drives the rig; start the window without it to add inputs of levels. Controls can be added.";
+  }
   if (outputs_view_.any_on()) return "Disarm the outputs to add inputs: real lamps would follow them.";
   return "";
 }

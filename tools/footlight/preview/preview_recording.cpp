@@ -12,7 +12,8 @@ namespace footlight::tools {
 
 Status Preview::start_recording(const std::string& path) {
   if (ended_.valid()) {
-    return fail(ErrorCode::kBadInput, "the recording before is still being written; try again when its end is reported");
+    return fail(ErrorCode::kBadInput,
+                "the recording before is still being written; try again when its end is reported");
   }
   const std::int64_t unix_ns = wall_clock_unix_ns();
   const std::string file = path.empty() ? recording_path(options_.recordings, options_.files.rig, unix_ns) : path;
