@@ -200,7 +200,7 @@ void edit_it(Desk& desk) {
 
   desk.key("l");
   desk.panel("F4");
-  desk.drag({470, 235}, {440, 235});  // pan
+  desk.drag({430, 280}, {400, 280});  // pan
   desk.wait("pan of both taken over", [](const Json& line) { return line["taken_over"] == 2; });
   desk.picture(5);
 
