@@ -9,6 +9,8 @@
 #include <doctest/doctest.h>
 
 #include "tests/tools/footlight/edit_ui.h"
+#include "tools/footlight/preview/preview_panel.h"
+#include "tools/footlight/preview/ui/menu.h"
 #include "tools/footlight/preview/ui/palette.h"
 
 namespace footlight::tools {
@@ -182,6 +184,27 @@ TEST_CASE("what is not possible now is shown and not run") {
   one.write("release all values");
   one.ui.hit(kEnter);
   CHECK(!one.chosen);
+}
+
+TEST_CASE("the menus of a window with recent rigs, a log and outputs fit beside each other in the side panel") {
+  PaletteUi one;
+  one.ui.desk.list_recent({"/rigs/hall.toml"});
+  const UiPanels panels;
+  float last_px = 0;
+  float edge_px = 0;
+  one.ui.more = [&] {
+    ImGui::SetNextWindowSize({kPanelWidth, 200});
+    ImGui::Begin("panel", nullptr, ImGuiWindowFlags_MenuBar | ImGuiWindowFlags_NoTitleBar);
+    ImGui::BeginMenuBar();
+    (void)draw_menu(one.ui.desk, panels, true, &one.outputs);
+    last_px = ImGui::GetItemRectMax().x;
+    edge_px = ImGui::GetWindowPos().x + ImGui::GetWindowSize().x;
+    ImGui::EndMenuBar();
+    ImGui::End();
+  };
+  for (int i = 0; i < 3; ++i) one.ui.frame();
+  CHECK(last_px > edge_px - 100);  // it is the last menu
+  CHECK(last_px <= edge_px);
 }
 
 TEST_CASE("Ctrl+P is the key of the palette") {

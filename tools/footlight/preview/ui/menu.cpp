@@ -1,5 +1,6 @@
 #include "tools/footlight/preview/ui/menu.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
@@ -27,11 +28,34 @@ void draw_rows(UiMenu menu, const UiDesk& desk, const OutputsView* outputs, std:
   }
 }
 
+// All menus fit beside each other in the side panel: with a log and outputs they are too wide otherwise. ImGui has twice
+// the spacing between two menus.
+ImVec2 menu_spacing(bool has_files, bool has_log, bool has_outputs) {
+  float text_px = 0;
+  int count = 0;
+  const auto add = [&](bool is_there, const char* title) {
+    if (!is_there) return;
+    text_px += ImGui::CalcTextSize(title).x;
+    ++count;
+  };
+  add(has_files, "File");
+  add(true, "Panels");
+  add(true, "Edit");
+  add(true, "View");
+  add(has_log, "Play");
+  add(has_outputs, "Outputs");
+  const ImVec2 usual = ImGui::GetStyle().ItemSpacing;
+  const float spare_px = ImGui::GetContentRegionAvail().x - text_px;
+  return {std::clamp(spare_px / static_cast<float>(2 * count), 1.0f, usual.x), usual.y};
+}
+
 }  // namespace
 
 std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool has_log, const OutputsView* outputs) {
   std::optional<UiCall> chosen;
-  if (!desk.recent_rigs().empty() && ImGui::BeginMenu("File")) {
+  const bool has_files = !desk.recent_rigs().empty();
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, menu_spacing(has_files, has_log, outputs != nullptr));
+  if (has_files && ImGui::BeginMenu("File")) {
     ui_text(kUiDim, "Open again");
     for (std::size_t i = 0; i < desk.recent_rigs().size(); ++i) {
       const std::string& path = desk.recent_rigs()[i];
@@ -67,6 +91,7 @@ std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool h
     draw_rows(UiMenu::kOutputs, desk, outputs, chosen);
     ImGui::EndMenu();
   }
+  ImGui::PopStyleVar();
   return chosen;
 }
 
