@@ -28,8 +28,8 @@ void draw_rows(UiMenu menu, const UiDesk& desk, const OutputsView* outputs, std:
   }
 }
 
-// All menus fit beside each other in the side panel: with a log and outputs they are too wide otherwise. ImGui has twice
-// the spacing between two menus.
+// All menus fit beside each other in the side panel: with a log and outputs they are too wide otherwise. ImGui has
+// twice the spacing between two menus.
 ImVec2 menu_spacing(bool has_files, bool has_log, bool has_outputs) {
   float text_px = 0;
   int count = 0;
