@@ -9,7 +9,10 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sched.h>
+#include <sys/mount.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -56,6 +59,14 @@ struct Started {
   bool ready = false;
 };
 
+// An empty /run for this process alone: the daemon keeps its PID there, and refuses to be the second one, beside one of
+// the machine or of another test.
+void take_own_run() {
+  const bool own = ::unshare(CLONE_NEWNS) == 0 && ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+                   ::mount("tmpfs", "/run", "tmpfs", 0, nullptr) == 0 && ::mkdir("/run/avahi-daemon", 0755) == 0;
+  if (!own) std::perror("no /run of its own");
+}
+
 // Starts a program, and reads its output until a text appears, for at most 20 s.
 Started start(const std::vector<std::string>& words, std::string_view until) {
   int ends[2];
@@ -70,6 +81,7 @@ Started start(const std::vector<std::string>& words, std::string_view until) {
     if (::getppid() != parent) ::_exit(1);
     ::dup2(ends[1], STDOUT_FILENO);
     ::dup2(ends[1], STDERR_FILENO);
+    if (words[0] == kAvahiDaemon) take_own_run();
     ::execvp(arguments[0], arguments.data());
     ::_exit(127);
   }
