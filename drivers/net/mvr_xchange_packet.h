@@ -57,7 +57,7 @@ class MvrPacketReader {
   // Any number of octets, split anywhere.
   Status read(std::span<const std::uint8_t> bytes, MvrPacketReceiver& receiver);
   // Reads at most to the end of one message. Returns how many octets it took.
-  [[nodiscard]] Result<std::size_t> read_message(std::span<const std::uint8_t> bytes, MvrPacketReceiver& receiver);
+  [[nodiscard]] Result<std::size_t> read_message(std::span<const std::uint8_t> all, MvrPacketReceiver& receiver);
   // Between two messages: the stream may end here.
   [[nodiscard]] bool between_messages() const { return header_size_ == 0 && !in_message_; }
 

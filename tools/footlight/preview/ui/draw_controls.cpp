@@ -10,6 +10,7 @@
 #include <imgui/imgui.h>
 
 #include "fixtures/model/attributes.h"
+#include "fixtures/model/params.h"
 #include "fixtures/simulate/encode.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
 #include "tools/footlight/preview/ui/pick_colour.h"

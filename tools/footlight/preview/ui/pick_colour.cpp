@@ -7,6 +7,7 @@
 
 #include "fixtures/compile/compile_type.h"
 #include "fixtures/model/attributes.h"
+#include "fixtures/model/params.h"
 #include "fixtures/simulate/encode.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
 

@@ -251,7 +251,7 @@ void UiDesk::run_taken(TakeChannels command) {
   if (!edits.empty()) run(std::move(command));
 }
 
-void UiDesk::take_values(std::vector<std::pair<ChannelKey, std::uint32_t>> values) {
+void UiDesk::take_values(std::span<const std::pair<ChannelKey, std::uint32_t>> values) {
   TakeChannels command;
   for (const auto& [key, raw] : values) {
     if (index().place(key)) command.edits.push_back({key, raw, std::nullopt});
@@ -290,7 +290,7 @@ void UiDesk::take_colour(const glm::dvec3& rgb) {
     if (fresh) at->second = channels_of_colour(fixtures::type_of(*rig_, one), fixtures::mode_of(*rig_, one), rgb);
     for (const ChannelRaw& value : at->second) values.push_back({{fixture, value.channel}, value.raw});
   }
-  take_values(std::move(values));
+  take_values(values);
 }
 
 UiDesk::Writes UiDesk::writes(ChannelKey key) {

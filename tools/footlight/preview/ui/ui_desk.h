@@ -128,7 +128,7 @@ class UiDesk {
   void release_all();
 
   // Several channels to raw values, as one edit; those without an address are left out.
-  void take_values(std::vector<std::pair<ChannelKey, std::uint32_t>> values);
+  void take_values(std::span<const std::pair<ChannelKey, std::uint32_t>> values);
   // As take() for each of them, as one edit.
   void take_several(std::span<const std::pair<ChannelKey, std::uint32_t>> values, std::span<const std::uint8_t> levels);
   // As release() for each of them, as one edit.
