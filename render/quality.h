@@ -43,6 +43,7 @@ struct Knobs {
 struct QualityRequest {
   double error = 0;  // share: 0.001 is 0.1 %
   double ms = 0;     // of GPU time of a frame
+  [[nodiscard]] bool any() const { return error > 0 || ms > 0; }
 };
 // 0.001 of "0.1%" or "0.001"; nothing if it is no finite number.
 [[nodiscard]] std::optional<double> share_of(std::string_view text);

@@ -23,20 +23,29 @@ using namespace footlight::tools;
 
 namespace {
 
+// Fixtures as a camera above the audience sees them.
+struct Stage {
+  explicit Stage(int fixtures) : rig(testing::many_fixtures(fixtures)) {
+    fixtures::Camera camera;
+    camera.position_m = {50, -120, 60};
+    camera.target_m = {50, 50, 0};
+    place = {render::view_of(camera), {1920, 1080}};
+  }
+  testing::UiRig rig;
+  StagePick pick{rig.rig};
+  StagePlace place;
+};
+
 // words: of the open panels. everything: all fixtures are selected, and all levels change all the time.
 void draw_panels(benchmark::State& state, const std::string& words, bool everything) {
-  const testing::UiRig rig = testing::many_fixtures(static_cast<int>(state.range(0)));
+  const Stage stage(static_cast<int>(state.range(0)));
+  const testing::UiRig& rig = stage.rig;
   UiDesk desk(rig.rig, rig.compiled);
   UiPanels open;
   if (!open.open_words(words, desk)) state.SkipWithError("no such panel");
   desk.select(0, false);
   if (everything) desk.select_all();
   std::vector<std::uint8_t> levels(rig.compiled.universes.size() * kSlotCountMax);
-  const StagePick pick(rig.rig);
-  fixtures::Camera camera;
-  camera.position_m = {50, -120, 60};
-  camera.target_m = {50, 50, 0};
-  const StagePlace place{render::view_of(camera), {1920, 1080}};
 
   const testing::HeadlessImGui imgui(1920, 1080);
   ImGuiIO& io = ImGui::GetIO();
@@ -59,7 +68,7 @@ void draw_panels(benchmark::State& state, const std::string& words, bool everyth
     open.step(levels, 16 * kNsPerMs, true);
     ImGui::NewFrame();
     open.draw(desk, input, 1920, 1080);
-    if (everything) draw_marks(rig.rig, pick, place, desk.state().selection, 1);
+    if (everything) draw_marks(rig.rig, stage.pick, stage.place, desk.state().selection, 1);
     ImGui::Render();
     benchmark::DoNotOptimize(ImGui::GetDrawData()->TotalVtxCount);
   };
@@ -72,15 +81,11 @@ void universes(benchmark::State& state) { draw_panels(state, "universes", false)
 void universes_changing(benchmark::State& state) { draw_panels(state, "universes", true); }
 void patch(benchmark::State& state) { draw_panels(state, "fixtures", false); }
 void inspector(benchmark::State& state) { draw_panels(state, "inspector", false); }
+
 // A drag that selects by a rectangle over the whole picture.
 void rectangle(benchmark::State& state) {
-  const testing::UiRig rig = testing::many_fixtures(static_cast<int>(state.range(0)));
-  const StagePick pick(rig.rig);
-  fixtures::Camera camera;
-  camera.position_m = {50, -120, 60};
-  camera.target_m = {50, 50, 0};
-  const StagePlace place{render::view_of(camera), {1920, 1080}};
-  for (auto _ : state) benchmark::DoNotOptimize(pick.fixtures_in(place, {0, 0}, {1920, 1080}).size());
+  const Stage stage(static_cast<int>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(stage.pick.fixtures_in(stage.place, {0, 0}, {1920, 1080}).size());
 }
 
 // One moment of the timeline's strips.
@@ -143,13 +148,8 @@ void all_selected(benchmark::State& state) { draw_panels(state, "universes,fixtu
 
 // A click on the picture.
 void click(benchmark::State& state) {
-  const testing::UiRig rig = testing::many_fixtures(static_cast<int>(state.range(0)));
-  const StagePick pick(rig.rig);
-  fixtures::Camera camera;
-  camera.position_m = {50, -120, 60};
-  camera.target_m = {50, 50, 0};
-  const StagePlace place{render::view_of(camera), {1920, 1080}};
-  for (auto _ : state) benchmark::DoNotOptimize(pick.fixture_at(place, {960, 540}));
+  const Stage stage(static_cast<int>(state.range(0)));
+  for (auto _ : state) benchmark::DoNotOptimize(stage.pick.fixture_at(stage.place, {960, 540}));
 }
 
 // One step of a slider's drag with all fixtures selected.

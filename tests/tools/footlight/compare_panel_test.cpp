@@ -24,18 +24,14 @@ struct CompareUi : testing::DrawnUi {
     open.set_open(1, true, desk);
     for (int i = 0; i < 3; ++i) frame();
   }
-  void frame() override {
+  void draw() override {
     UiInput input;
     input.levels = levels;
     input.now_ns = now_ns += kNsPerS / 60;
     input.transport = transport;
     input.status = status;
     input.stamps = stamps;
-    ImGui::NewFrame();
-    if (logs) ImGui::LogToClipboard();
     open.draw(desk, input, 1280, 1000);
-    if (logs) ImGui::LogFinish();
-    ImGui::Render();
   }
   // Clicks until `done`, over a part of the window.
   template <class Done>

@@ -43,18 +43,14 @@ class Ui : public testing::DrawnUi {
     for (int i = 0; i < 3; ++i) frame();
   }
 
-  void frame() override {
+  void draw() override {
     UiInput input;
     input.levels = levels;
     input.status = status;
     input.now_ns = now_ns += kNsPerS / 60;
     input.outputs = outputs;
     input.inputs = inputs;
-    ImGui::NewFrame();
-    if (logs) ImGui::LogToClipboard();
     open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
-    if (logs) ImGui::LogFinish();
-    ImGui::Render();
   }
   static ImRect place(const char* window) {
     const ImGuiWindow* found = ImGui::FindWindowByName(window);

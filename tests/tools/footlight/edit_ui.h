@@ -32,18 +32,14 @@ class EditUi : public DrawnUi {
     io.KeyMap[ImGuiKey_UpArrow] = kUp;
   }
 
-  void frame() override {
+  void draw() override {
     const std::vector<std::uint8_t> levels(desk.compiled().universes.size() * kSlotCountMax);
     tools::UiInput input;
     input.levels = levels;
     input.now_ns = now_ns += kNsPerS / 60;
-    ImGui::NewFrame();
-    if (logs) ImGui::LogToClipboard();
     open.draw(desk, input, 1280, 720);
     if (asks) answer = question.draw("/shows/club.toml", "");
     if (more) more();
-    if (logs) ImGui::LogFinish();
-    ImGui::Render();
   }
   void show(std::size_t panel) {
     open.set_open(panel, true, desk);

@@ -59,13 +59,9 @@ class Inspector : public testing::DrawnUi {
         levels(rig.compiled.universes.size() * kSlotCountMax) {
     for (const auto& fixture : rig.rig.fixtures) fixtures::encode_defaults(rig.rig, fixture, levels);
   }
-  void frame() override {
+  void draw() override {
     UiInput input = this->input();
-    ImGui::NewFrame();
-    if (logs) ImGui::LogToClipboard();
     open.draw(desk, input, 1280, 720);
-    if (logs) ImGui::LogFinish();
-    ImGui::Render();
   }
   [[nodiscard]] UiInput input() const {
     UiInput input;

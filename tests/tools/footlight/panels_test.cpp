@@ -34,32 +34,15 @@ constexpr std::size_t kInspector = 3;
 constexpr std::size_t kTimeline = 4;
 
 // A user interface of one size with a mouse.
-class HeadlessUi {
+class HeadlessUi final : public testing::DrawnUi {
  public:
   explicit HeadlessUi(const UiRig& rig, float width = 1280, float height = 720)
       : imgui(width, height), desk(rig.rig, rig.compiled), levels(rig.compiled.universes.size() * kSlotCountMax) {}
 
   // Returns the number of vertices that it draws.
   int frame() {
-    now_ns += kNsPerS / 60;
-    UiInput input;
-    input.levels = levels;
-    input.now_ns = now_ns;
-    input.transport = transport;
-    input.curve = curve;
-    ImGui::NewFrame();
-    if (logs) ImGui::LogToClipboard();
-    open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
-    if (logs) ImGui::LogFinish();
-    ImGui::Render();
+    DrawnUi::frame();
     return ImGui::GetDrawData()->TotalVtxCount;
-  }
-  // All text of a picture, also what is scrolled out of sight.
-  std::string words() {
-    logs = true;
-    frame();
-    logs = false;
-    return ImGui::GetClipboardText();
   }
   void show(std::size_t panel) {
     open.set_open(panel, true, desk);
@@ -90,9 +73,19 @@ class HeadlessUi {
   const LightCurve* curve = nullptr;
   UiDesk desk;
   UiPanels open;
-  bool logs = false;
   std::vector<std::uint8_t> levels;
   TimeNs now_ns = kNsPerS;
+
+ private:
+  void draw() override {
+    now_ns += kNsPerS / 60;
+    UiInput input;
+    input.levels = levels;
+    input.now_ns = now_ns;
+    input.transport = transport;
+    input.curve = curve;
+    open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
+  }
 };
 
 TEST_CASE("closed panels draw nothing and are not there") {

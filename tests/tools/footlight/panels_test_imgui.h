@@ -25,15 +25,22 @@ class HeadlessImGui {
   HeadlessImGui& operator=(const HeadlessImGui&) = delete;
 };
 
-// A user interface that a test draws and clicks. frame() draws one frame, into the clipboard if `logs`.
+// A user interface that a test draws and clicks.
 class DrawnUi {
  public:
   virtual ~DrawnUi() = default;
-  virtual void frame() = 0;
+  // One frame.
+  void frame() {
+    ImGui::NewFrame();
+    if (logs_) ImGui::LogToClipboard();
+    draw();
+    if (logs_) ImGui::LogFinish();
+    ImGui::Render();
+  }
   std::string words() {
-    logs = true;
+    logs_ = true;
     frame();
-    logs = false;
+    logs_ = false;
     return ImGui::GetClipboardText();
   }
   void press(float x, float y, int button = 0) {
@@ -46,7 +53,10 @@ class DrawnUi {
     frame();
   }
 
-  bool logs = false;
+ private:
+  virtual void draw() = 0;
+
+  bool logs_ = false;  // into the clipboard
 };
 
 }  // namespace footlight::testing

@@ -10,8 +10,7 @@
 
 #include "sim/system_clock.h"
 #include "tests/support/must.h"
-#include "tests/tools/footlight/panels_test_imgui.h"
-#include "tools/footlight/preview/preview_panel.h"
+#include "tests/tools/footlight/side_panel_ui.h"
 #include "tools/footlight/preview/window_ui.h"
 
 namespace footlight::tools {
@@ -19,22 +18,8 @@ namespace {
 
 using footlight::testing::must;
 
-class SidePanel final : public testing::DrawnUi {
- public:
-  void frame() override {
-    ImGui::NewFrame();
-    if (logs) ImGui::LogToClipboard();
-    draw_panel(facts, controls, live, nullptr, 1, [] {});
-    if (logs) ImGui::LogFinish();
-    ImGui::Render();
-  }
-
-  PreviewFacts facts;
-  PreviewControls controls;
-  const LiveLevels* live = nullptr;
-
- private:
-  testing::HeadlessImGui imgui_{800, 1200};
+struct SidePanel final : testing::SidePanelUi {
+  SidePanel() : SidePanelUi(800, 1200) {}
 };
 
 TEST_CASE("the list of live inputs leaves out what the window itself receives them with") {

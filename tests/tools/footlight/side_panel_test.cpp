@@ -5,26 +5,18 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/tools/footlight/panels_test_imgui.h"
-#include "tools/footlight/preview/preview_panel.h"
+#include "tests/tools/footlight/side_panel_ui.h"
 
 namespace footlight::tools {
 namespace {
 
-class SidePanel : public testing::DrawnUi {
+class SidePanel : public testing::SidePanelUi {
  public:
-  SidePanel() : imgui(1280, 900) {
+  SidePanel() : SidePanelUi(1280, 900) {
     facts.cameras = {"stalls", "wings"};
     facts.can_edit = facts.can_haze = true;
     facts.room_haze_per_m = 0.02;
     for (int i = 0; i < 3; ++i) frame();
-  }
-  void frame() override {
-    ImGui::NewFrame();
-    if (logs) ImGui::LogToClipboard();
-    draw_panel(facts, controls, nullptr, nullptr, 1, [] {});
-    if (logs) ImGui::LogFinish();
-    ImGui::Render();
   }
   // Presses down the panel until `done`.
   template <class Done>
@@ -36,10 +28,6 @@ class SidePanel : public testing::DrawnUi {
     return false;
   }
   static bool has_popup() { return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel); }
-
-  testing::HeadlessImGui imgui;
-  PreviewFacts facts;
-  PreviewControls controls;
 };
 
 TEST_CASE("the menu of a camera stores the view there, and deletes it") {

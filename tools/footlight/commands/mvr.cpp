@@ -140,29 +140,38 @@ void search(const Options& options, MvrGroup& group, bool discovers, StopSignal&
   }
 }
 
-Result<int> list_stations(const Options& options) {
+// Joins the stations, calls then(group, signal, clock), and leaves them.
+template <class Then>
+Result<int> among_stations(const Options& options, const char* role, Then then) {
   FL_ASSIGN(const auto addresses, addresses_of(options));
   FL_ASSIGN(const auto discovery, open_discovery(options));
-  MvrStation self = own_station(options, "list");
+  MvrStation self = own_station(options, role);
   MvrGroup group(self, discovery.get(), options.group, addresses);
   SystemClock clock;
   StopSignal signal;
   search(options, group, discovery != nullptr, signal, clock);
-  bool any = false;
-  for (const auto& member : group.members()) {
-    fmt::print("{}", options.json ? station_json(member) : station_text(member));
-    any = any || member.joined;
-  }
+  const Result<int> done = then(group, signal, clock);
   leave(group, nullptr, clock);
-  if (any) return kExitOk;
-  if (signal.came()) {
-    fmt::print(stderr, "footlight: stopped before a station had answered\n");
-  } else if (group.members().empty()) {
-    fmt::print(stderr,
-               "footlight: no station of MVR-xchange was found; switch it on there, in the same network, or name the "
-               "station with --station ADDRESS:PORT\n");
-  }
-  return kExitNotFound;
+  return done;
+}
+
+Result<int> list_stations(const Options& options) {
+  return among_stations(options, "list", [&](const MvrGroup& group, const StopSignal& signal, Clock&) -> Result<int> {
+    bool any = false;
+    for (const auto& member : group.members()) {
+      fmt::print("{}", options.json ? station_json(member) : station_text(member));
+      any = any || member.joined;
+    }
+    if (any) return kExitOk;
+    if (signal.came()) {
+      fmt::print(stderr, "footlight: stopped before a station had answered\n");
+    } else if (group.members().empty()) {
+      fmt::print(stderr,
+                 "footlight: no station of MVR-xchange was found; switch it on there, in the same network, or name the "
+                 "station with --station ADDRESS:PORT\n");
+    }
+    return kExitNotFound;
+  });
 }
 
 // The station that the command line means. Stations that offer the file of --file are alike: the first is chosen.
@@ -254,20 +263,11 @@ Result<int> get(Options options) {
       return tl::unexpected(address.error());
     }
   }
-  FL_ASSIGN(const auto addresses, addresses_of(options));
-  FL_ASSIGN(const auto discovery, open_discovery(options));
-  MvrStation self = own_station(options, "get");
-  MvrGroup group(self, discovery.get(), options.group, addresses);
-  SystemClock clock;
-  StopSignal signal;
-  search(options, group, discovery != nullptr, signal, clock);
-  const auto received = [&]() -> Result<int> {
+  return among_stations(options, "get", [&](const MvrGroup& group, StopSignal& signal, Clock& clock) -> Result<int> {
     if (signal.came()) return fail(ErrorCode::kIo, "{}: stopped; nothing is written", options.out);
     FL_ASSIGN(const auto* member, choose_station(options, group));
     return receive(*member, choose_commit(options, *member), options, signal, clock);
-  }();
-  leave(group, nullptr, clock);
-  return received;
+  });
 }
 
 // Prints stations when they are joined, and why others are not; each once.

@@ -127,9 +127,13 @@ std::vector<Source*> HandLayer::ports() const {
 
 void HandLayer::join(LiveLevels& live) {
   leave();
-  joined_ = &live.pump();
-  desk_.join(*joined_, ports());
-  show_pages(*joined_);
+  enter(live.pump());
+}
+
+void HandLayer::enter(Pump& pump) {
+  joined_ = &pump;
+  desk_.join(pump, ports());
+  show_pages(pump);
 }
 
 Status HandLayer::rest_on(std::string name, std::span<const Universe> universes) {
@@ -144,9 +148,7 @@ Status HandLayer::rest_on(std::string name, std::span<const Universe> universes)
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(std::move(feed));
   FL_ASSIGN(own_, LiveLevels::start(universes, std::move(sources), clock_));
-  joined_ = &own_->pump();
-  desk_.join(*joined_, ports());
-  show_pages(*joined_);
+  enter(own_->pump());
   return {};
 }
 

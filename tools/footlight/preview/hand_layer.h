@@ -109,6 +109,7 @@ class HandLayer {
   HandLayer(std::string rig, Clock& clock);
   [[nodiscard]] Status listen(const std::string& socket);
   [[nodiscard]] HttpAnswer answer(const HttpRequest& request);
+  void enter(Pump& pump);
   void show_pages(Pump& pump);
   [[nodiscard]] std::vector<Source*> ports() const;
   void note(std::string text);

@@ -31,10 +31,16 @@ void Preview::show_cameras() {
   for (const fixtures::Camera& camera : cameras) facts_.cameras.push_back(camera.name);
 }
 
-void Preview::edit_cameras(const CameraRequest& request) {
-  using What = CameraRequest::What;
+// The view, as a camera of the rig.
+fixtures::Camera Preview::view_as_camera() const {
   fixtures::Camera view = desk_->state().camera.camera();
   view.exposure_ev = static_cast<double>(desk_->state().exposure.ev);
+  return view;
+}
+
+void Preview::edit_cameras(const CameraRequest& request) {
+  using What = CameraRequest::What;
+  const fixtures::Camera view = view_as_camera();
   const fixtures::Rig& rig = desk_->edited();
   const auto& shown = desk_->cameras();
   desk_->begin_gesture();
@@ -47,9 +53,7 @@ void Preview::edit_cameras(const CameraRequest& request) {
 }
 
 void Preview::store_new_camera() {
-  fixtures::Camera view = desk_->state().camera.camera();
-  view.exposure_ev = static_cast<double>(desk_->state().exposure.ev);
-  const Status edited = desk_->edit(fixtures::add_camera(desk_->edited(), desk_->cameras(), view));
+  const Status edited = desk_->edit(fixtures::add_camera(desk_->edited(), desk_->cameras(), view_as_camera()));
   if (!edited) return tell(edited.error());
   tell(fmt::format("camera {} is {}; Ctrl+S saves it", desk_->cameras().size(), desk_->cameras().back().name));
 }

@@ -10,12 +10,8 @@
 #include "tools/footlight/preview/preview_window.h"
 
 namespace footlight::tools {
-namespace {
 
-// A text that is no endpoint counts as an input, which is refused where it is opened.
-bool controls(const std::string& text) { return is_control(text).value_or(false); }
-
-}  // namespace
+bool Preview::controls(const std::string& text) { return is_control(text).value_or(false); }
 
 Preview::Preview(const PreviewOptions& options)
     : options_(options),

@@ -45,8 +45,7 @@ void Preview::follow_inputs() {
     view.refusal = added ? "" : added.error().message;
   }
   if (const auto text = std::exchange(view.remove, std::nullopt)) remove_input(*text);
-  view.inputs = ins_;
-  view.inputs.insert(view.inputs.end(), controls_in_.begin(), controls_in_.end());
+  view.inputs = inputs();
   view.made_up.clear();
   for (const std::string& text : view.inputs) {
     const auto endpoint = parse_port(text);
@@ -71,7 +70,7 @@ std::string Preview::why_no_input() const {
 }
 
 Status Preview::add_input(const std::string& text) {
-  const auto& there = inputs_view_.inputs;
+  const std::vector<std::string> there = inputs();
   if (std::find(there.begin(), there.end(), text) != there.end()) {
     return fail(ErrorCode::kBadInput, "{}: it is in the list already", text);
   }

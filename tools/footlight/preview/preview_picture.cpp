@@ -65,7 +65,7 @@ void Preview::take_curves(const render::KnobCurves& curves) {
 }
 
 void Preview::ask_for_quality(const render::QualityRequest& request) {
-  const bool asks = request.error > 0 || request.ms > 0;
+  const bool asks = request.any();
   facts_.measures_knobs = facts_.measures_knobs && reading_curves_.valid();
   if (asks && !curves_) {
     curves_ = read_knob_curves(knob_curves_path(cache_folder(), device_->facts()), device_->facts(), curves_program());
@@ -102,7 +102,7 @@ Result<bool> Preview::follow_quality() {
   if (reading_curves_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return true;
   auto curves = reading_curves_.get();
   if (!curves && device_->lost()) return tl::unexpected<Error>(std::move(curves).error());
-  const bool asks = facts_.quality.error > 0 || facts_.quality.ms > 0;
+  const bool asks = facts_.quality.any();
   facts_.measures_knobs = false;
   if (curves) {
     curves_ = std::move(*curves);

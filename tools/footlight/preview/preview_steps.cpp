@@ -35,7 +35,7 @@ std::unique_ptr<LogPlayer> Preview::make_player(SharedScene scene) {
 }
 
 LogPlayer::Driven Preview::driven() {
-  return {*device_, *frame_, desk_->overlays() || layer_->overlays(),
+  return {*device_, *frame_, overlays(),
           [this](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
             give(levels, dt_ns, new_exposure);
           },
@@ -57,13 +57,20 @@ Status Preview::work_at_index() {
   return {};
 }
 
+bool Preview::overlays() const { return desk_->overlays() || layer_->overlays(); }
+
+// In this order: a blackout by hand is over what was taken over.
+void Preview::lay_over(std::span<const Universe> universes, std::span<std::uint8_t> levels) {
+  layer_->overlay(universes, levels);
+  desk_->overlay(levels);
+  layer_->darken(universes, levels);
+}
+
 // One step of the fixtures and of what the panels follow, with what the user has set and taken over.
 void Preview::give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure) {
-  if (desk_->overlays() || layer_->overlays()) {
+  if (overlays()) {
     overlaid_.assign(levels.begin(), levels.end());
-    layer_->overlay(framed_->compiled.universes, overlaid_);
-    desk_->overlay(overlaid_);
-    layer_->darken(framed_->compiled.universes, overlaid_);
+    lay_over(framed_->compiled.universes, overlaid_);
     levels = overlaid_;
   }
   if (recording_ && !player_) recording_->take(step_ns_, framed_->compiled.universes, levels);
@@ -77,7 +84,7 @@ std::span<const std::uint8_t> Preview::panel_levels() {
   const std::span<const std::uint8_t> newest = live_ ? live_->levels() : hand_ ? hand_->levels() : player_->levels();
   const auto& universes = desk_->compiled().universes;
   const auto& given = framed_->compiled.universes;
-  if (!desk_->overlays() && !layer_->overlays() && universes == given) return newest;
+  if (!overlays() && universes == given) return newest;
   // The rig may have been edited since, and its frame is not yet there.
   panel_levels_.assign(universes.size() * kSlotCountMax, 0);
   for (std::size_t i = 0; i < universes.size(); ++i) {
@@ -87,9 +94,7 @@ std::span<const std::uint8_t> Preview::panel_levels() {
     std::copy_n(newest.begin() + static_cast<std::ptrdiff_t>(from), kSlotCountMax,
                 panel_levels_.begin() + static_cast<std::ptrdiff_t>(i * kSlotCountMax));
   }
-  layer_->overlay(universes, panel_levels_);
-  desk_->overlay(panel_levels_);
-  layer_->darken(universes, panel_levels_);
+  lay_over(universes, panel_levels_);
   return panel_levels_;
 }
 

@@ -434,7 +434,7 @@ PreviewOptions options_for(PreviewOptions options, const Preview::Next& next) {
     options.select.clear();
   } else {
     options.files.log = next.log;
-    std::erase_if(options.ins, [](const std::string& text) { return !is_control(text).value_or(false); });
+    std::erase_if(options.ins, [](const std::string& text) { return !Preview::controls(text); });
   }
   return options;
 }

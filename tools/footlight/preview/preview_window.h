@@ -67,6 +67,8 @@ class Preview {
   [[nodiscard]] bool opened() const { return picture_ns_ >= 0; }
   // As the user has set them since: endpoints of inputs and controls; nothing: no rig was read.
   [[nodiscard]] std::vector<std::string> inputs() const;
+  // An endpoint that sets levels by hand. A text that is no endpoint is none, and is refused where it is opened.
+  [[nodiscard]] static bool controls(const std::string& text);
   [[nodiscard]] std::optional<FlashMode> flashes() const {
     return desk_ ? std::optional(desk_->flashes()) : std::nullopt;
   }
@@ -128,6 +130,8 @@ class Preview {
   Status work_at_index();
   void give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure);
   [[nodiscard]] std::span<const std::uint8_t> panel_levels();
+  [[nodiscard]] bool overlays() const;
+  void lay_over(std::span<const Universe> universes, std::span<std::uint8_t> levels);
   [[nodiscard]] static std::optional<fixtures::VrslReplay> vrsl_replay(const PreviewScene& scene);
   // True if neither a log nor an input drove the rig at the start.
   [[nodiscard]] bool by_hand() const {
@@ -203,6 +207,7 @@ class Preview {
   void show_cameras();
   void edit_cameras(const CameraRequest& request);
   void store_new_camera();
+  [[nodiscard]] fixtures::Camera view_as_camera() const;
   void view_from_side(ViewSide side);
   void fly(bool typing, DurationNs dt_ns);
   void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);

@@ -363,7 +363,7 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
   PictureArguments arguments = words;
   FL_TRY(take_shadows(arguments.shadow_words, arguments.shadows));
   FL_ASSIGN(const render::QualityRequest request, render::parse_quality(arguments.error, arguments.ms));
-  if ((request.error > 0 || request.ms > 0) && (arguments.fleet > 0 || !arguments.sweep.empty())) {
+  if (request.any() && (arguments.fleet > 0 || !arguments.sweep.empty())) {
     return fail(ErrorCode::kBadInput, "{} chooses settings for one scene; use it without --sweep and --fleet",
                 request.error > 0 ? "--error" : "--ms");
   }
@@ -399,7 +399,7 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
     };
   }
   std::optional<ChosenKnobs> chosen;
-  if (request.error > 0 || request.ms > 0) {
+  if (request.any()) {
     FL_ASSIGN(chosen, choose_knobs(*device, scene, picture_options, request, options));
     picture_options.chosen = chosen->predicted.knobs;
     if (arguments.no_judge && !options.json) options.print(text_of(*chosen));

@@ -1,7 +1,10 @@
 #include "tools/footlight/preview/ui/menu.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
 
 #include <fmt/format.h>
@@ -28,22 +31,42 @@ void draw_rows(UiMenu menu, const UiDesk& desk, const OutputsView* outputs, std:
   }
 }
 
+void draw_recent(const UiDesk& desk, std::optional<UiCall>& chosen) {
+  ui_text(kUiDim, "Open again");
+  for (std::size_t i = 0; i < desk.recent_rigs().size(); ++i) {
+    const std::string& path = desk.recent_rigs()[i];
+    const std::string name = std::filesystem::path(path).filename().string();
+    ImGui::PushID(static_cast<int>(i));
+    if (ImGui::MenuItem(name.c_str())) chosen = UiCall{UiAction::kOpenRecent, static_cast<int>(i)};
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path.c_str());
+    ImGui::PopID();
+  }
+}
+
+void draw_panel_rows(const UiPanels& open, std::optional<UiCall>& chosen) {
+  for (std::size_t i = 0; i < panels().size(); ++i) {
+    if (ImGui::MenuItem(panels()[i].title, panels()[i].key_text, open.is_open(i))) {
+      chosen = UiCall{UiAction::kPanel, static_cast<int>(i)};
+    }
+  }
+}
+
+struct Menu {
+  const char* title;
+  bool is_there;
+  std::function<void()> draw;
+};
+
 // All menus fit beside each other in the side panel: with a log and outputs they are too wide otherwise. ImGui has
 // twice the spacing between two menus.
-ImVec2 menu_spacing(bool has_files, bool has_log, bool has_outputs) {
+ImVec2 menu_spacing(std::span<const Menu> menus) {
   float text_px = 0;
   int count = 0;
-  const auto add = [&](bool is_there, const char* title) {
-    if (!is_there) return;
-    text_px += ImGui::CalcTextSize(title).x;
+  for (const Menu& menu : menus) {
+    if (!menu.is_there) continue;
+    text_px += ImGui::CalcTextSize(menu.title).x;
     ++count;
-  };
-  add(has_files, "File");
-  add(true, "Panels");
-  add(true, "Edit");
-  add(true, "View");
-  add(has_log, "Play");
-  add(has_outputs, "Outputs");
+  }
   const ImVec2 usual = ImGui::GetStyle().ItemSpacing;
   const float spare_px = ImGui::GetContentRegionAvail().x - text_px;
   return {std::clamp(spare_px / static_cast<float>(2 * count), 1.0f, usual.x), usual.y};
@@ -53,42 +76,17 @@ ImVec2 menu_spacing(bool has_files, bool has_log, bool has_outputs) {
 
 std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool has_log, const OutputsView* outputs) {
   std::optional<UiCall> chosen;
-  const bool has_files = !desk.recent_rigs().empty();
-  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, menu_spacing(has_files, has_log, outputs != nullptr));
-  if (has_files && ImGui::BeginMenu("File")) {
-    ui_text(kUiDim, "Open again");
-    for (std::size_t i = 0; i < desk.recent_rigs().size(); ++i) {
-      const std::string& path = desk.recent_rigs()[i];
-      const std::string name = std::filesystem::path(path).filename().string();
-      ImGui::PushID(static_cast<int>(i));
-      if (ImGui::MenuItem(name.c_str())) chosen = UiCall{UiAction::kOpenRecent, static_cast<int>(i)};
-      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path.c_str());
-      ImGui::PopID();
-    }
-    ImGui::EndMenu();
-  }
-  if (ImGui::BeginMenu("Panels")) {
-    for (std::size_t i = 0; i < panels().size(); ++i) {
-      if (ImGui::MenuItem(panels()[i].title, panels()[i].key_text, open.is_open(i))) {
-        chosen = UiCall{UiAction::kPanel, static_cast<int>(i)};
-      }
-    }
-    ImGui::EndMenu();
-  }
-  if (ImGui::BeginMenu("Edit")) {
-    draw_rows(UiMenu::kEdit, desk, outputs, chosen);
-    ImGui::EndMenu();
-  }
-  if (ImGui::BeginMenu("View")) {
-    draw_rows(UiMenu::kView, desk, outputs, chosen);
-    ImGui::EndMenu();
-  }
-  if (has_log && ImGui::BeginMenu("Play")) {
-    draw_rows(UiMenu::kPlayback, desk, outputs, chosen);
-    ImGui::EndMenu();
-  }
-  if (outputs != nullptr && ImGui::BeginMenu("Outputs")) {
-    draw_rows(UiMenu::kOutputs, desk, outputs, chosen);
+  const auto rows = [&](UiMenu menu) { return [&, menu] { draw_rows(menu, desk, outputs, chosen); }; };
+  const std::array<Menu, 6> menus{{{"File", !desk.recent_rigs().empty(), [&] { draw_recent(desk, chosen); }},
+                                   {"Panels", true, [&] { draw_panel_rows(open, chosen); }},
+                                   {"Edit", true, rows(UiMenu::kEdit)},
+                                   {"View", true, rows(UiMenu::kView)},
+                                   {"Play", has_log, rows(UiMenu::kPlayback)},
+                                   {"Outputs", outputs != nullptr, rows(UiMenu::kOutputs)}}};
+  ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, menu_spacing(menus));
+  for (const Menu& menu : menus) {
+    if (!menu.is_there || !ImGui::BeginMenu(menu.title)) continue;
+    menu.draw();
     ImGui::EndMenu();
   }
   ImGui::PopStyleVar();
