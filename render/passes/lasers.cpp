@@ -1,5 +1,7 @@
 #include "render/passes/lasers.h"
 
+#include <algorithm>
+
 #include "render/passes/compute_pass.h"
 #include "shaders/hazelasers.comp.h"
 #include "shaders/lasermasks.comp.h"
@@ -13,26 +15,30 @@ class LasersPass final : public Pass {
  public:
   LasersPass(const PassContext& context, BoundPipeline rows, BoundPipeline masks, BoundPipeline light)
       : rows_count_(context.resources.rig.laser_rows),
-        supertiles_(context.resources.picture.supertiles_x * context.resources.picture.supertiles_y),
         tiles_x_(groups_of(static_cast<std::uint32_t>(context.settings.width), FL_TILE_PX)),
         tiles_y_(groups_of(static_cast<std::uint32_t>(context.settings.height), FL_TILE_PX)),
+        bits_(context.resources.picture.laser_masks.handle),
         rows_(std::move(rows)),
         masks_(std::move(masks)),
         light_(std::move(light)) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
+    vkCmdFillBuffer(commands, bits_, 0, VK_WHOLE_SIZE, 0);
     rows_.bind(commands);
     vkCmdDispatch(commands, groups_of(rows_count_, FL_GROUP_LASERS), 1, 1);
     vk::full_barrier(commands);
     masks_.bind(commands);
-    vkCmdDispatch(commands, groups_of((rows_count_ + 31) / 32, FL_GROUP_LASERS), supertiles_, 1);
+    vkCmdDispatch(commands, std::min(rows_count_, kRowsAcross), groups_of(rows_count_, kRowsAcross), 1);
     vk::full_barrier(commands);
     light_.bind(commands);
     vkCmdDispatch(commands, tiles_x_, tiles_y_, 1);
   }
 
  private:
-  std::uint32_t rows_count_, supertiles_, tiles_x_, tiles_y_;
+  static constexpr std::uint32_t kRowsAcross = 32'768;  // any device takes so many workgroups in a line
+
+  std::uint32_t rows_count_, tiles_x_, tiles_y_;
+  VkBuffer bits_;
   BoundPipeline rows_, masks_, light_;
 };
 

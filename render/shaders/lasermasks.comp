@@ -1,6 +1,6 @@
 #version 460
-// For each supertile one bit a row of the lasers: may it touch the supertile? One thread a word. Bits keep the order of
-// the rows, so that sums have one order.
+// For each supertile one bit a row of the lasers: may it touch the supertile? One workgroup a row, which goes through
+// the supertiles of the row's box. Bits begin as 0; they keep the order of the rows, so that sums have one order.
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/forms.glsl"
@@ -10,23 +10,25 @@
 #include "render/shaders/lib/laser_row.glsl"
 
 layout(local_size_x = FL_GROUP_LASERS) in;
-layout(set = 0, binding = FL_BINDING_LASER_MASKS, std430) writeonly buffer LaserMasksBuffer { uint laser_masks[]; };
+layout(set = 0, binding = FL_BINDING_LASER_MASKS, std430) buffer LaserMasksBuffer { uint laser_masks[]; };
 
 void main() {
-  uint rows = uint(lasers.length());
-  uint words = (rows + 31u) / 32u;
-  uint word = gl_GlobalInvocationID.x;
-  if (word >= words) return;
-  uint supertile = gl_WorkGroupID.y;
-  vec2 low = vec2(supertile % params.supertiles_x, supertile / params.supertiles_x) * float(FL_SUPERTILE_PX);
-  vec2 high = min(low + float(FL_SUPERTILE_PX), vec2(params.width, params.height));
-  uint bits = 0u;
-  for (uint i = 0u; i < min(32u, rows - 32u * word); ++i) {
-    // A dark row has only a box.
-    uint index = 32u * word + i;
-    vec4 box = lasers[index].box;
-    if (box.x > box.z || any(greaterThan(box.xy, high)) || any(lessThan(box.zw, low))) continue;
-    if (laser_touches(lasers[index], low, high)) bits |= 1u << i;
+  uint row = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  if (row >= uint(lasers.length())) return;
+  vec4 box = lasers[row].box;  // a dark row has only a box
+  vec2 size = vec2(params.width, params.height);
+  if (!(box.x <= box.z) || any(greaterThan(box.xy, size)) || any(lessThan(box.zw, vec2(0.0)))) return;
+  // Where a box ends at the end of a supertile, it may touch both.
+  uvec2 first = uvec2(max(box.xy / float(FL_SUPERTILE_PX) - 1e-3, 0.0));
+  uvec2 last = uvec2(min(box.zw, size) / float(FL_SUPERTILE_PX) + 1e-3);
+  last = min(last, uvec2(params.supertiles_x, (params.height + uint(FL_SUPERTILE_PX) - 1u) / uint(FL_SUPERTILE_PX)) - 1u);
+  uvec2 span = last - min(first, last) + 1u;
+  first = min(first, last);
+  uint words = (uint(lasers.length()) + 31u) / 32u;
+  for (uint i = gl_LocalInvocationIndex; i < span.x * span.y; i += uint(FL_GROUP_LASERS)) {
+    uvec2 at = first + uvec2(i % span.x, i / span.x);
+    vec2 low = vec2(at) * float(FL_SUPERTILE_PX);
+    if (!laser_touches(lasers[row], low, min(low + float(FL_SUPERTILE_PX), size))) continue;
+    atomicOr(laser_masks[(at.y * params.supertiles_x + at.x) * words + row / 32u], 1u << (row % 32u));
   }
-  laser_masks[supertile * words + word] = bits;
 }

@@ -40,22 +40,35 @@ FL_FN Real normal_below(Real z) {
 }
 FL_FN Real normal_at(Real z) { return Real(0.3989422804014327) * exp(Real(-0.5) * min(z * z, Real(80))); }
 
-// Mean of the normal density between two places, and where between them its middle is, 0 to 1.
-FL_FN Real normal_mean(Real from, Real to, FL_OUT(Real) middle) {
+// Mean of the normal density between two places.
+FL_CONST float kNormalNear = 0.6f;  // places that are nearer to each other than this: by a series
+FL_FN Real normal_share(Real from, Real to) {
   Real way = to - from;
   Real at = Real(0.5) * (from + to);
-  Real square = min(at * at, Real(80));
-  if (abs(way) < Real(0.6)) {
-    Real w = way * way;
-    middle = clamp(Real(0.5) - at * way * Real(0.08333333333333333), Real(0), Real(1));
-    Real fourth = (square * square - Real(6) * square + Real(3)) * Real(0.0005208333333333333);
-    return normal_at(at) * (Real(1) + w * ((square - Real(1)) * Real(0.041666666666666664) + w * fourth));
+  if (abs(way) >= Real(kNormalNear)) {
+    // In the lower tail, where the difference is exact.
+    Real share = at > Real(0) ? normal_below(-from) - normal_below(-to) : normal_below(to) - normal_below(from);
+    return max(share / way, Real(0));
   }
-  Real share = normal_below(to) - normal_below(from);
+  Real square = min(at * at, Real(80));
+  Real w = way * way;
+  Real fourth = (square * square - Real(6) * square + Real(3)) * Real(0.0005208333333333333);
+  return normal_at(at) * (Real(1) + w * ((square - Real(1)) * Real(0.041666666666666664) + w * fourth));
+}
+
+// The same, and where between them its middle is, 0 to 1.
+FL_FN Real normal_mean(Real from, Real to, FL_OUT(Real) middle) {
+  Real way = to - from;
+  Real mean = normal_share(from, to);
+  if (abs(way) < Real(kNormalNear)) {
+    middle = clamp(Real(0.5) - Real(0.5) * (from + to) * way * Real(0.08333333333333333), Real(0), Real(1));
+    return mean;
+  }
+  Real share = mean * way;
   // In a tail the middle is at the end that is nearer.
   Real z = abs(share) > Real(1e-5) ? (normal_at(from) - normal_at(to)) / share : (abs(from) < abs(to) ? from : to);
   middle = clamp((z - from) / way, Real(0), Real(1));
-  return max(share / way, Real(0));
+  return mean;
 }
 
 // Length of the beam at tau.
@@ -120,10 +133,23 @@ FL_CONST float kLaserNearest = 0.001f;  // depth, m: light that is nearer to the
 // So many pixels around the place where a beam goes to, its depth changes with the pixels: it is summed along itself.
 FL_CONST float kLaserGonePx = 100.0f;
 
-// Light in the air of the beams of a sheet that are seen nearly along themselves.
+// What a pixel sees of a sheet in the air.
+struct LaserAir {
+  Real light;    // over sigma_s and the flux; 1/(m sr)
+  Real smooth_light;  // the same over scale and profile; not of beams that are seen nearly along themselves
+  bool is_along;      // it is such a beam
+  Real lit;           // the share of the light that is on the beam, in front of the eye and before t_max_m
+  Real scale;    // one over the deviation of what the pixel sees, of places of dot(ray, sheet.cross_1 + tau cross_2)
+  Real profile;  // the mean of the normal density between the edges of the sheet; light falls with it from pixel to pixel
+  Real near_m;   // depths between which all but 1e-5 of the light is
+  Real far_m;
+};
+FL_CONST float kLaserTail = 4.5f;  // deviations
+
+// Light in the air of the beams of a sheet that are seen nearly along themselves. from_m, to_m: as LaserAir.
 FL_FN Real laser_air_along(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, LaserLine line, Vec3 beam, Vec3 side,
                            Real angle, Real length_m, Real t_max_m, Real anisotropy, Real extinction_per_m,
-                           bool with_extinction) {
+                           bool with_extinction, FL_OUT(Real) from_m, FL_OUT(Real) to_m) {
   Real ray_length = length(pixel.ray);
   Real px_1 = length(pixel.step_x);  // of a pixel at a depth of 1 m
   Real px_2 = length(pixel.step_y);
@@ -131,6 +157,8 @@ FL_FN Real laser_air_along(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Las
   Real end_m = line.depth_m + line.deeper * length_m;
   Real near_m = max(min(line.depth_m, end_m), Real(kLaserNearest));
   Real far_m = min(max(line.depth_m, end_m), t_max_m / ray_length);
+  from_m = near_m;
+  to_m = far_m;
   if (!(far_m > near_m)) return Real(0);
   Real w_from = Real(1) / far_m;
   Real w_to = Real(1) / near_m;
@@ -199,9 +227,45 @@ FL_FN Real laser_air_along(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Las
   return sum * way_x * ray_length / (Real(kLaserPanels) * px_1 * px_2 * abs(line.deeper));
 }
 
-// Light in the air of a sheet in a pixel up to t_max_m, over sigma_s and the flux; 1/(m sr).
-FL_FN Real laser_in_air(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Real t_max_m, Real anisotropy,
-                        Real extinction_per_m, bool with_extinction) {
+// Where a ray and a beam of a sheet are nearest to each other.
+struct LaserMeeting {
+  Vec3 beam;
+  Real root;      // 1 / sqrt(1 + tau^2)
+  Real length_m;  // of the beam
+  Real along;     // dot(ray, beam)
+  Real square;    // of the ray across the beam
+  Real ray_at;    // the place, in lengths of the ray
+  Real beam_at;   // m
+  Real beam_square;  // variance of the light across the beam there, m^2
+  Real tx, ty;       // how T, their distance times the root of `square`, changes with the pixel
+  Real whole;        // variance of T in what the pixel sees
+  Real scale;        // LaserAir
+};
+FL_FN LaserMeeting laser_meeting(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Real tau) {
+  LaserMeeting at;
+  at.root = Real(1) / sqrt(Real(1) + tau * tau);
+  at.length_m = laser_length(sheet, tau);
+  at.beam = (sheet.first + sheet.second * tau) * at.root;
+  at.along = dot(pixel.ray, at.beam);
+  Vec3 away = pixel.ray - at.beam * at.along;
+  at.square = max(dot(away, away), Real(1e-12) * dot(pixel.ray, pixel.ray));
+  Real eye_along = dot(sheet.eye, at.beam);
+  at.ray_at = -dot(sheet.eye - at.beam * eye_along, away) / at.square;
+  at.beam_at = eye_along + at.ray_at * at.along;
+  Vec3 normal = (sheet.cross_1 + sheet.cross_2 * tau) * at.root;
+  at.tx = dot(pixel.step_x, normal);
+  at.ty = dot(pixel.step_y, normal);
+  Real at_m = clamp(at.beam_at, Real(0), at.length_m);
+  at.beam_square = sheet.variance + sheet.slope_square * at_m * at_m;
+  at.whole = max(at.square * at.beam_square + Real(kLaserPixel) * (at.tx * at.tx + at.ty * at.ty), Real(1e-30));
+  at.scale = at.root / sqrt(at.whole);
+  return at;
+}
+
+// Light in the air of a sheet in a pixel up to t_max_m.
+FL_FN LaserAir laser_in_air(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Real t_max_m, Real anisotropy,
+                            Real extinction_per_m, bool with_extinction) {
+  LaserAir air;
   Real c1 = dot(pixel.ray, sheet.cross_1);
   Real c2 = dot(pixel.ray, sheet.cross_2);
   Real ray_square = dot(pixel.ray, pixel.ray);
@@ -209,48 +273,36 @@ FL_FN Real laser_in_air(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Real t
   // The beam of the sheet that the ray meets, then the middle of those that the pixel sees.
   Real tau = abs(c2) * sheet.reach > Real(0) ? clamp(-c1 / c2, Real(0), sheet.reach) : Real(0);
   Real share = Real(0);
-  Real root = Real(1);
-  Real scale = Real(1);
-  Real length_m = Real(0);
-  Vec3 beam = sheet.first;
-  Real along = Real(0), square = Real(1), ray_at = Real(0), beam_at = Real(0), beam_square = Real(0);
-  Real tx = Real(0), ty = Real(0), whole = Real(1);
+  LaserMeeting meeting;
   for (uint turn = uint(0); turn < uint(2); ++turn) {
-    root = Real(1) / sqrt(Real(1) + tau * tau);
-    length_m = laser_length(sheet, tau);
-    beam = (sheet.first + sheet.second * tau) * root;
-    along = dot(pixel.ray, beam);
-    Vec3 away = pixel.ray - beam * along;
-    square = max(dot(away, away), Real(1e-12) * ray_square);
-    // Where ray and beam are nearest to each other: in lengths of the ray, and m.
-    Real eye_along = dot(sheet.eye, beam);
-    ray_at = -dot(sheet.eye - beam * eye_along, away) / square;
-    beam_at = eye_along + ray_at * along;
-    // T is their distance times the root of `square`: linear in the pixels.
-    Vec3 normal = (sheet.cross_1 + sheet.cross_2 * tau) * root;
-    tx = dot(pixel.step_x, normal);
-    ty = dot(pixel.step_y, normal);
-    Real at_m = clamp(beam_at, Real(0), length_m);
-    beam_square = sheet.variance + sheet.slope_square * at_m * at_m;
-    whole = max(square * beam_square + Real(kLaserPixel) * (tx * tx + ty * ty), Real(1e-30));
-    scale = root / sqrt(whole);
+    meeting = laser_meeting(sheet, pixel, tau);
     Real middle;
-    share = normal_mean(c1 * scale, (c1 + c2 * sheet.reach) * scale, middle);
+    share = normal_mean(c1 * meeting.scale, (c1 + c2 * sheet.reach) * meeting.scale, middle);
     if (turn == uint(0)) tau = middle * sheet.reach;
   }
+  Vec3 beam = meeting.beam;
+  Real root = meeting.root, scale = meeting.scale, length_m = meeting.length_m, along = meeting.along;
+  Real square = meeting.square, ray_at = meeting.ray_at, beam_at = meeting.beam_at, whole = meeting.whole;
+  Real beam_square = meeting.beam_square, tx = meeting.tx, ty = meeting.ty;
+  air.scale = scale;
+  air.profile = share;
   LaserLine line = laser_line(sheet, pixel, beam);
   Vec2 gone = line.gone;
-  if (gone.x * gone.x + gone.y * gone.y < Real(kLaserGonePx) * Real(kLaserGonePx)) {
+  air.is_along = gone.x * gone.x + gone.y * gone.y < Real(kLaserGonePx) * Real(kLaserGonePx);
+  if (air.is_along) {
     // Its middle: of a narrow part any beam does.
     Real half_tau = Real(0.5) * sheet.reach;
     Real half_root = Real(1) / sqrt(Real(1) + half_tau * half_tau);
     Vec3 middle = (sheet.first + sheet.second * half_tau) * half_root;
     Vec3 side = (sheet.second - sheet.first * half_tau) * half_root;
     Real angle = sheet.reach / max(sheet.spread, Real(1e-6));
-    return laser_air_along(sheet, pixel, laser_line(sheet, pixel, middle), middle, side, angle,
-                           laser_length(sheet, half_tau), t_max_m, anisotropy, extinction_per_m, with_extinction);
+    air.light = laser_air_along(sheet, pixel, laser_line(sheet, pixel, middle), middle, side, angle,
+                                laser_length(sheet, half_tau), t_max_m, anisotropy, extinction_per_m, with_extinction,
+                                air.near_m, air.far_m);
+    air.smooth_light = Real(0);
+    air.lit = Real(1);
+    return air;
   }
-  if (!(share > Real(0))) return Real(0);
   // How these places move with the pixel; and how far they are spread by the pixel along the picture of the beam, by
   // what is left of it across, and by the width of the beam.
   Real reach = ray_at / square;
@@ -273,6 +325,8 @@ FL_FN Real laser_in_air(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Real t
   Real miss = (c1 + c2 * tau) * root * Real(kLaserPixel) / whole;
   beam_at -= miss * b_across;
   ray_at -= miss * s_across;
+  air.near_m = ray_at - Real(kLaserTail) * ray_sigma;
+  air.far_m = ray_at + Real(kLaserTail) * ray_sigma;
   // Which part of it is on the beam, in front of the eye and before what the pixel shows.
   Real ray_low = normal_below(-ray_at / ray_sigma);
   Real ray_high = normal_below((t_max_m / ray_length - ray_at) / ray_sigma);
@@ -291,8 +345,12 @@ FL_FN Real laser_in_air(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Real t
   Real t_m = clamp((ray_at + s_along / t_size * aside_px) * aside_length, Real(0), min(t_max_m, Real(1e7)));
   Real r_m = clamp(beam_at + shift_m, Real(0), length_m);
   Real haze_m = Real(2) * ray_sigma * ray_length;
-  return sheet.spread * aside_length * share * lit * scale * root *
-         laser_scatter(dot(ray, beam) / aside_length, t_m, r_m, haze_m, anisotropy, extinction_per_m, with_extinction);
+  air.lit = lit;
+  air.smooth_light = sheet.spread * aside_length * lit * root *
+                     laser_scatter(dot(ray, beam) / aside_length, t_m, r_m, haze_m, anisotropy, extinction_per_m,
+                                   with_extinction);
+  air.light = air.smooth_light * share * scale;
+  return air;
 }
 
 // Where a beam meets a surface.
