@@ -17,6 +17,8 @@ static_assert(sizeof(FrameParams) == 160);
 static_assert(offsetof(FrameParams, width) == 64);
 static_assert(sizeof(BeamRow) == 160);
 static_assert(sizeof(LaserRow) == 160);
+static_assert(sizeof(LaserStripRow) == 192);
+static_assert(sizeof(LaserListRow) == 16);
 static_assert(sizeof(GlossRow) == 48);
 static_assert(sizeof(PaneRow) == 144);
 static_assert(sizeof(DisplayRow) == 144);

@@ -128,9 +128,15 @@ struct PassEntry {
 [[nodiscard]] inline bool has_occluders(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shadows(needs, settings) || has_shafts_shadowed(needs, settings);
 }
+// Whether lasers are drawn. Frames that are compared with the judge of beams, which has no lasers, are drawn without.
+[[nodiscard]] inline bool has_lasers(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.fixtures && needs.laser && settings.widen_thin && settings.view != FrameView::kClasses &&
+         (has_air(needs, settings) || has_solids(needs, settings));
+}
 // Whether the distances of tiles are needed.
 [[nodiscard]] inline bool has_tile_depths(const fixtures::Needs& needs, const FrameSettings& settings) {
-  return has_solids(needs, settings) && (has_tile_classes(needs, settings) || has_shadows_in_air(needs, settings));
+  return has_solids(needs, settings) && (has_tile_classes(needs, settings) || has_shadows_in_air(needs, settings) ||
+                                         has_lasers(needs, settings));
 }
 // Whether solid things reflect light to others.
 [[nodiscard]] inline bool has_bounce(const fixtures::Needs& needs, const FrameSettings& settings) {

@@ -177,6 +177,17 @@ std::uint64_t laser_mask_bytes(const FrameSettings& settings, std::uint32_t lase
   return std::max<std::uint64_t>(mask_bytes(settings, (laser_rows + 31) / 32), 4);
 }
 
+std::uint64_t laser_strip_bytes(const FrameSettings& settings, std::uint32_t laser_rows) {
+  if (laser_rows == 0) return sizeof(LaserStripRow);
+  return std::uint64_t{supertiles(settings.width)} * supertiles(settings.height) * FL_LASER_STRIPS *
+         sizeof(LaserStripRow);
+}
+
+std::uint64_t laser_list_bytes(const FrameSettings& settings, std::uint32_t laser_rows) {
+  if (laser_rows == 0) return sizeof(LaserListRow);
+  return std::uint64_t{supertiles(settings.width)} * supertiles(settings.height) * sizeof(LaserListRow);
+}
+
 std::uint64_t tile_depth_bytes(const FrameSettings& settings, bool used) {
   if (!used) return sizeof(TileDepthRow);
   return std::uint64_t{cells(settings.width, FL_TILE_PX)} * cells(settings.height, FL_TILE_PX) * sizeof(TileDepthRow);
@@ -400,6 +411,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     }
     case FL_BINDING_MASKS: return mask_bytes(settings, mask_words_of(shape.compiled));
     case FL_BINDING_LASER_MASKS: return laser_mask_bytes(settings, shape.compiled.laser_rows);
+    case FL_BINDING_LASER_STRIPS: return laser_strip_bytes(settings, shape.compiled.laser_rows);
+    case FL_BINDING_LASER_LISTS: return laser_list_bytes(settings, shape.compiled.laser_rows);
     case FL_BINDING_TILE_DEPTHS: return tile_depth_bytes(settings, has_tile_depths(shape.needs, settings));
     case FL_BINDING_SHADOW_WORDS:
       return shadow_word_bytes(settings, mask_words_of(shape.compiled), has_shadows_in_air(shape.needs, settings));
@@ -551,6 +564,11 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
                 device.name(), device.limits().maxStorageBufferRange, laser_bytes);
   }
   FL_ASSIGN(p.laser_masks, zeroed(device, laser_bytes));
+  // Rows without room are drawn tile by tile.
+  const std::uint64_t strips = laser_strip_bytes(settings, laser_rows) / sizeof(LaserStripRow);
+  const std::uint64_t most = device.limits().maxStorageBufferRange / sizeof(LaserStripRow);
+  FL_ASSIGN(p.laser_strips, zeroed(device, std::min(strips, most) * sizeof(LaserStripRow)));
+  FL_ASSIGN(p.laser_lists, zeroed(device, laser_list_bytes(settings, laser_rows)));
   FL_ASSIGN(p.tile_depths, zeroed(device, tile_depth_bytes(settings, has_tile_depths(needs, settings))));
   const std::uint64_t fine_bytes = fine_mask_bytes(settings, mask_words, classes);
   const std::uint64_t shade_bytes =
@@ -623,6 +641,8 @@ void Resources::bind_all() {
   std::uint64_t rig_bytes = total_bytes;
   bind(FL_BINDING_MASKS, picture.masks);
   bind(FL_BINDING_LASER_MASKS, picture.laser_masks);
+  bind(FL_BINDING_LASER_STRIPS, picture.laser_strips);
+  bind(FL_BINDING_LASER_LISTS, picture.laser_lists);
   bind(FL_BINDING_TILE_DEPTHS, picture.tile_depths);
   bind(FL_BINDING_COARSE, picture.coarse);
   bind(FL_BINDING_RIMS, picture.rims);

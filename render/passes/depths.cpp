@@ -12,8 +12,8 @@ const PassEntry kDepthsPass{
     has_tile_depths,
     [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
     [](const PassContext& context) {
-      // Shadows need them for few beams as well.
-      const bool always = context.resources.rig.has_shadows;
+      // Shadows need them for few beams as well, and lasers without any.
+      const bool always = context.resources.rig.has_shadows || context.resources.rig.laser_rows > 0;
       return make_compute_pass(
           context, kDepthsComp,
           [counts = context.resources.rig.counts.handle, always, x = tile_groups(context.settings.width),

@@ -1,6 +1,6 @@
 #version 460
 // For each supertile one bit a row of the lasers: may it touch the supertile? One workgroup a row, which goes through
-// the supertiles of the row's box. Bits begin as 0; they keep the order of the rows, so that sums have one order.
+// the supertiles of the row's box. Bits and numbers begin as 0; bits keep the order of the rows, so that sums have one order.
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/forms.glsl"
@@ -10,7 +10,11 @@
 #include "render/shaders/lib/laser_row.glsl"
 
 layout(local_size_x = FL_GROUP_LASERS) in;
-layout(set = 0, binding = FL_BINDING_LASER_MASKS, std430) buffer LaserMasksBuffer { uint laser_masks[]; };
+#define FL_LASER_MASKS_ACCESS
+#include "render/shaders/lib/laser_masks.glsl"
+#define FL_STRIPS_ACCESS readonly
+#define FL_LISTS_ACCESS
+#include "render/shaders/lib/laser_lists.glsl"
 
 void main() {
   uint row = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
@@ -24,11 +28,13 @@ void main() {
   last = min(last, uvec2(params.supertiles_x, (params.height + uint(FL_SUPERTILE_PX) - 1u) / uint(FL_SUPERTILE_PX)) - 1u);
   uvec2 span = last - min(first, last) + 1u;
   first = min(first, last);
-  uint words = (uint(lasers.length()) + 31u) / 32u;
+  uint words = laser_words();
   for (uint i = gl_LocalInvocationIndex; i < span.x * span.y; i += uint(FL_GROUP_LASERS)) {
     uvec2 at = first + uvec2(i % span.x, i / span.x);
     vec2 low = vec2(at) * float(FL_SUPERTILE_PX);
     if (!laser_touches(lasers[row], low, min(low + float(FL_SUPERTILE_PX), size))) continue;
-    atomicOr(laser_masks[(at.y * params.supertiles_x + at.x) * words + row / 32u], 1u << (row % 32u));
+    uint supertile = at.y * params.supertiles_x + at.x;
+    atomicOr(laser_masks[supertile * words + row / 32u], 1u << (row % 32u));
+    atomicAdd(laser_lists[supertile].rows, 1u);
   }
 }

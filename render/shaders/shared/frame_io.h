@@ -133,7 +133,10 @@
 #define FL_BINDING_MIRROR_PAIRS (98 + FL_LAMP_COUNT)
 #define FL_BINDING_MIRROR_NORMALS (99 + FL_LAMP_COUNT)
 #define FL_BINDING_MIRROR_PICKS (100 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (101 + FL_LAMP_COUNT)
+// Strips of lasers in supertiles (laserstrips.comp): LaserStripRow, and LaserListRow, one a supertile.
+#define FL_BINDING_LASER_STRIPS (101 + FL_LAMP_COUNT)
+#define FL_BINDING_LASER_LISTS (102 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (103 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -359,6 +362,29 @@ struct LaserRow {
   float slack_m;  // that such a thing may be smaller
   uint pad;
   vec4 pad_2;
+};
+
+// The part of a square of the picture that a row of lasers touches, and polynomials of its light there
+// (lib/laser_strip.glsl), 192 bytes. Pixels count from the middle of the square.
+struct LaserStripRow {
+  vec4 light;   // rgb: lm; w: reach of the sheet
+  vec4 frame;   // xy: the middle; zw: along the beams, unit
+  vec4 size;    // xy: half of it in pixels, along, and across between the edges of the sheet or around a beam; 0: it is
+                // not in the square; zw: one over the change a pixel across of dot(ray, cross_1), and at the last edge
+  vec4 edge_1;  // dot(xyz, (1, pixels)) is dot(ray, cross_1); w: pixels beside the edges that have light
+  vec4 edge_2;  // likewise of cross_2
+  vec4 smooth_light[3];  // coefficients of LaserAir.smooth_light: along, for each degree across
+  vec4 scale[3];         // of LaserAir.scale
+  vec4 pad;
+};
+#define FL_LASER_STRIPS 48  // a supertile of the picture, in the mean
+
+// The rows of lasers of a supertile.
+struct LaserListRow {
+  uint rows;    // that may touch it
+  uint first;   // strip
+  uint strips;  // how many of the rows are strips
+  uint pad;
 };
 
 // A pane of glass that the sun shines through, 144 bytes. Its light goes through the places center + u T + v B + c sun
