@@ -16,6 +16,10 @@
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
+const uint kThreads = uint(FL_TILE_PX * FL_TILE_PX);
+const uint kNotes = kThreads / 32u;
+shared uint here[kNotes];  // of so many strips: those that may reach into the tile, a bit each
+
 // Whether a strip may reach into the tile. middle: of the tile, from that of the supertile.
 bool reaches(uint strip, vec2 middle) {
   vec4 frame = laser_strips[strip].frame;
@@ -34,9 +38,21 @@ void main() {
   vec2 middle = (vec2(gl_WorkGroupID.xy % side) + 0.5) * float(FL_TILE_PX) - 0.5 * float(FL_SUPERTILE_PX);
   vec2 px = middle + vec2(gl_LocalInvocationID.xy) + 0.5 - 0.5 * float(FL_TILE_PX);
   vec3 air = vec3(0.0);
-  for (uint i = 0u; i < list.strips; ++i) {
-    if (!reaches(list.first + i, middle)) continue;
-    air += laser_strips[list.first + i].light.rgb * light_of_strip(laser_strips[list.first + i], px);
+  uint thread = gl_LocalInvocationIndex;
+  for (uint base = 0u; base < list.strips; base += kThreads) {
+    barrier();
+    if (thread < kNotes) here[thread] = 0u;
+    barrier();
+    if (base + thread < list.strips && reaches(list.first + base + thread, middle)) {
+      atomicOr(here[thread / 32u], 1u << (thread % 32u));
+    }
+    barrier();
+    for (uint word = 0u; word < kNotes; ++word) {
+      for (uint bits = here[word]; bits != 0u; bits &= bits - 1u) {
+        uint strip = list.first + base + 32u * word + uint(findLSB(bits));
+        air += laser_strips[strip].light.rgb * light_of_strip(laser_strips[strip], px);
+      }
+    }
   }
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (pixel.x >= int(params.width) || pixel.y >= int(params.height)) return;

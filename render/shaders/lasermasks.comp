@@ -10,6 +10,7 @@
 #include "render/shaders/lib/laser_row.glsl"
 
 layout(local_size_x = FL_GROUP_LASERS) in;
+#include "render/shaders/lib/laser_strip.glsl"
 #define FL_LASER_MASKS_ACCESS
 #include "render/shaders/lib/laser_masks.glsl"
 #define FL_STRIPS_ACCESS readonly
@@ -33,6 +34,9 @@ void main() {
     uvec2 at = first + uvec2(i % span.x, i / span.x);
     vec2 low = vec2(at) * float(FL_SUPERTILE_PX);
     if (!laser_touches(lasers[row], low, min(low + float(FL_SUPERTILE_PX), size))) continue;
+    // Once more, by how wide the light is there.
+    const float half_square = 0.5 * float(FL_SUPERTILE_PX);
+    if (laser_strip(lasers[row], laser_sheet(lasers[row]), low + half_square, half_square).size.x == 0.0) continue;
     uint supertile = at.y * params.supertiles_x + at.x;
     atomicOr(laser_masks[supertile * words + row / 32u], 1u << (row % 32u));
     atomicAdd(laser_lists[supertile].rows, 1u);

@@ -5,7 +5,7 @@ layout(constant_id = FL_SPEC_TILES) const bool kTiles = true;  // else every pix
 const uint kThreads = 256u;
 const uint kNotes = kThreads / 32u;
 const uint kBatch = kThreads / kPlaces;  // rows at a time
-const float kStripError = 5e-4;  // of the most light of a row in a square: polynomials are off by no more at the checks
+const float kStripError = 1.5e-3;  // of the most light of a row in a square: polynomials are off by no more at the checks
 const float kLeastLit = 1e-6;    // share of the light of a row that counts as none
 
 shared uint word_bits[kNotes];   // of so many words: those that have a row

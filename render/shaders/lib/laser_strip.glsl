@@ -123,22 +123,22 @@ float light_of_strip(LaserStripRow strip, vec2 px) {
   float x = dot(away, strip.frame.zw) / strip.size.x;
   float across_px = dot(away, strip_across(strip.frame.zw));
   if (abs(x) > 1.001) return 0.0;
+  float edge = dot(strip.edge_1.xyz, vec3(1.0, px));
+  float reach = strip.light.w;
+  float last = edge + dot(strip.edge_2.xyz, vec3(1.0, px)) * reach;
+  vec2 at = across_px - vec2(edge, last) * strip.size.zw;
+  float beside_px = max(min(at.x, at.y) - across_px, across_px - max(at.x, at.y));
+  if (reach == 0.0 ? abs(across_px) > strip.size.y : beside_px > strip.edge_1.w) return 0.0;
   vec4 along = chebyshev(x);
   vec3 light = vec3(dot(strip.smooth_light[0], along), dot(strip.smooth_light[1], along),
                     dot(strip.smooth_light[2], along));
   vec3 scales = vec3(dot(strip.scale[0], along), dot(strip.scale[1], along), dot(strip.scale[2], along));
-  float edge = dot(strip.edge_1.xyz, vec3(1.0, px));
-  float reach = strip.light.w;
   if (reach == 0.0) {
-    float y = across_px / strip.size.y;
-    if (abs(y) > 1.0) return 0.0;
-    vec3 across = chebyshev(y).xyz;
+    vec3 across = chebyshev(across_px / strip.size.y).xyz;
     float scale = dot(scales, across);
     return max(dot(light, across) * scale, 0.0) * normal_at(edge * scale);
   }
-  float last = edge + dot(strip.edge_2.xyz, vec3(1.0, px)) * reach;
-  // Where both edges are across, then the beam of the sheet that the pixel sees in the middle.
-  vec2 at = across_px - vec2(edge, last) * strip.size.zw;
+  // Across, the beam of the sheet that the pixel sees in the middle.
   float y = clamp(across_px, min(at.x, at.y), max(at.x, at.y)) / strip.size.y;
   float scale = dot(scales, chebyshev(clamp(y, -1.0, 1.0)).xyz);
   if (min(abs(edge), abs(last)) * scale > 5.5 && edge * last > 0.0) return 0.0;

@@ -377,7 +377,7 @@ struct LaserStripRow {
   vec4 scale[3];         // of LaserAir.scale
   vec4 pad;
 };
-#define FL_LASER_STRIPS 48  // a supertile of the picture, in the mean
+#define FL_LASER_STRIPS 64  // a supertile of the picture, in the mean
 
 // The rows of lasers of a supertile.
 struct LaserListRow {
