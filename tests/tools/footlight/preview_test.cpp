@@ -168,7 +168,7 @@ TEST_CASE("all panels draw in a small window, and the picture keeps its size") {
   const TempFolder folder;
   std::ofstream(folder.file("rig.toml")) << kOnePar;
   const std::string line = folder.file("rig.toml") + " --seconds 1 --size 640x360 --json --screenshot ";
-  const std::string all = " --panels universes,fixtures,inspector,timeline,devices,library,messages,keys --select Par";
+  const std::string all = " --panels universes,fixtures,inspector,timeline,devices,library,messages,report,keys --select Par";
   const int code = preview(folder, line + folder.file("a.png") + all);
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;

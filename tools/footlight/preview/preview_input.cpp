@@ -77,6 +77,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
     input.outputs = &outputs_view_;
     input.inputs = &inputs_view_;
     input.messages = &messages_;
+    input.report = &report_;
     input.now_ns = clock_.now_ns();
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));

@@ -12,6 +12,9 @@
 
 namespace footlight::tools {
 
+// The window may hang for longer than outputs wait.
+const char* const kArmedUnmeasured = "this machine is not measured yet, and outputs are armed: disarm them first";
+
 void Preview::take_picture_requests() {
   if (const auto haze = std::exchange(controls_.haze_per_m, std::nullopt)) {
     picture_haze_per_m_ = *haze;
@@ -70,13 +73,12 @@ void Preview::ask_for_quality(const render::QualityRequest& request) {
   if (asks && !curves_) {
     curves_ = read_knob_curves(knob_curves_path(cache_folder(), device_->facts()), device_->facts(), curves_program());
   }
-  if (asks && !curves_ && outputs_ && outputs_view_.any_on()) {  // the window may hang for longer than outputs wait
-    return tell("this machine is not measured yet, and outputs are armed: disarm them first", true);
-  }
+  if (asks && !curves_ && outputs_ && outputs_view_.any_on()) return tell(kArmedUnmeasured, true);
   facts_.quality = request;
   facts_.chosen.reset();
   keeper_.reset();
   ladder_.clear();
+  wants_curves_ = false;
   // A measurement goes on for the new request, or ends by itself.
   stops_curves_ = !asks;
   stopped_curves_ = stopped_curves_ || !asks;
@@ -103,6 +105,7 @@ Result<bool> Preview::follow_quality() {
   auto curves = reading_curves_.get();
   if (!curves && device_->lost()) return tl::unexpected<Error>(std::move(curves).error());
   const bool asks = facts_.quality.any();
+  const bool wants = std::exchange(wants_curves_, false);
   facts_.measures_knobs = false;
   if (curves) {
     curves_ = std::move(*curves);
@@ -112,6 +115,8 @@ Result<bool> Preview::follow_quality() {
   } else if (asks) {
     facts_.quality = {};
     tell(curves.error().message + "; nodes and pixels are chosen by hand", true);
+  } else if (wants) {
+    tell(curves.error());
   }
   return false;
 }

@@ -148,6 +148,7 @@ Status Preview::turn_stage(const PixelRect& where) {
   FL_TRY(follow_flashes());
   if (!fits_controls(where)) FL_TRY(rebuild(where));
   FL_TRY(update_error());
+  follow_report();
   follow_inputs();
   FL_TRY(step_levels());
   keep_recording();
@@ -240,6 +241,7 @@ Status Preview::read_picture() {
     facts_.error = error_->estimate();
     facts_.passes.push_back({"error", error_->gpu_ms()});
   }
+  if (reports()) read_report(gpu_ms);
   render::CountsRow counts{};
   std::memcpy(&counts, counts_.mapped, sizeof(counts));
   facts_.live_beams = counts.live_count;
@@ -301,9 +303,9 @@ void Preview::follow_knobs(const render::KnobPoint& point) {
   if (keeper_) controls_.divisor = point.knobs.divisor;
 }
 
-// The measurement of the error exists while the panel shows it, and is made anew for another frame.
+// The measurement of the error exists while a panel shows it, and is made anew for another frame.
 Status Preview::update_error() {
-  const bool shown = controls_.panel == PanelState::kFull && !window_->minimised();
+  const bool shown = (controls_.panel == PanelState::kFull && !window_->minimised()) || reports();
   if (!shown) {
     error_.reset();
     facts_.error = {};

@@ -46,6 +46,7 @@
 #include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/questions.h"
+#include "tools/footlight/preview/ui/report_view.h"
 #include "tools/footlight/preview/ui/stage_box.h"
 #include "tools/footlight/preview/ui/stage_handles.h"
 #include "tools/footlight/preview/ui/stage_pick.h"
@@ -54,6 +55,8 @@
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
+
+extern const char* const kArmedUnmeasured;  // why curves of knobs are not measured while outputs are armed
 
 class Preview {
  public:
@@ -109,6 +112,11 @@ class Preview {
   Status draw();
   Status read_picture();
   void read_second();
+  // What the report panel shows: preview_report.cpp.
+  void follow_report();
+  void read_report(double gpu_ms);
+  void read_left_out();
+  [[nodiscard]] bool reports() const { return panels_.is_open(report_panel_) && !window_->minimised(); }
   // What the user changes of the picture: preview_picture.cpp.
   void take_picture_requests();
   [[nodiscard]] double haze_per_m() const;
@@ -301,6 +309,13 @@ class Preview {
   std::future<Result<render::KnobCurves>> reading_curves_;  // valid: they are measured or read
   std::atomic<bool> stops_curves_ = false;
   bool stopped_curves_ = false;  // since they were begun
+  bool wants_curves_ = false;    // also without a request for an error or a time
+  const std::size_t report_panel_ = panel_of("report");
+  ReportView report_;
+  bool looked_for_curves_ = false;  // of this machine, in their file
+  SharedScene left_out_scene_;      // that report_.left_out is of, with these settings
+  render::FrameSettings left_out_settings_;
+  std::future<LeftOutPlan> reading_left_out_;
   bool haze_is_rig_ = true;                   // the slider edits the rig; else, with --haze, only the picture
   double picture_haze_per_m_ = 0;             // then
   std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
