@@ -78,6 +78,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
     input.inputs = &inputs_view_;
     input.messages = &messages_;
     input.report = &report_;
+    input.pictures = &pictures_;
     input.now_ns = clock_.now_ns();
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
@@ -110,6 +111,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
   if (recording_) draw_recording_mark(recording_->elapsed_ns(), window_->ui_scale());
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
   window_->end_ui();
+  pictures_.step();
   ui_times_.add(static_cast<double>(clock_.now_ns() - begun_ns) * 1e-6);
 }
 

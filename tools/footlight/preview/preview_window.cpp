@@ -109,6 +109,7 @@ Status Preview::turn() {
     closing_ = true;
     window_->keep_shot();
   }
+  FL_TRY(window_->set_pictures(pictures_));
   draw_ui(dt_ns);
   if (std::exchange(shot_taken_, false)) write_own_shot();
   keep_edits();

@@ -348,6 +348,7 @@ class Preview {
 
   std::unique_ptr<UiDesk> desk_;  // once the rig is read
   UiPanels panels_;
+  PictureShelf pictures_;
   Palette palette_;
   std::unique_ptr<StagePick> pick_;  // made by the first selection
   StageHandles handles_;

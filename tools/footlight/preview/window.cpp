@@ -99,6 +99,7 @@ void Window::detach() {
   if (ImGui::GetCurrentContext() != nullptr) ImGui::DestroyContext();
   shot_ = {};
   picture_ = {};
+  shelf_bytes_ = {};
   shown_.forget();
   damaged_ = true;
   mouse_.clear();
@@ -106,6 +107,8 @@ void Window::detach() {
   ui_started_ = false;
   stale_ = true;
   swapchain_ = VK_NULL_HANDLE;
+  shelf_fresh_ = false;
+  shelf_revision_ = 0;
   render_pass_ = VK_NULL_HANDLE;
   descriptors_ = VK_NULL_HANDLE;
   acquired_ = VK_NULL_HANDLE;
@@ -312,6 +315,8 @@ Status Window::start_ui() {
     io.Fonts->AddFontDefault();
     font_scale_ = 1;
   }
+  io.Fonts->TexDesiredWidth = 2 * PictureShelf::kSizePx;
+  shelf_rect_ = io.Fonts->AddCustomRectRegular(PictureShelf::kSizePx, PictureShelf::kSizePx);
   set_ui_look(user_scale_, theme_);
   // ImGui calls the callbacks that are set already.
   glfwSetKeyCallback(window_, &Window::on_key);

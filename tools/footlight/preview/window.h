@@ -28,6 +28,7 @@
 #include "render/vk/memory.h"
 #include "tools/footlight/preview/key_presses.h"
 #include "tools/footlight/preview/mouse_queue.h"
+#include "tools/footlight/preview/ui/picture_shelf.h"
 #include "tools/footlight/preview/uploaded_image.h"
 #include "tools/footlight/preview/window_ui.h"
 #include "tools/footlight/preview/window_settings.h"
@@ -93,6 +94,9 @@ class Window {
   void begin_ui();
   void end_ui();
 
+  // The pictures that panels draw, which have a place beside ImGui's glyphs: its renderer knows one image only. Before
+  // begin_ui(): tells the shelf where that is, and copies it where it has changed.
+  Status set_pictures(PictureShelf& pictures);
   // Returns when the GPU is done with the last show().
   Status wait_gpu();
   // What the next show() shows; copies it. Until the first one there is none.
@@ -116,6 +120,7 @@ class Window {
   Status start_ui();
   Status present(std::uint32_t index);
   void record_picture(VkCommandBuffer commands, VkImage target, const PixelRect& place);
+  void record_shelf(VkCommandBuffer commands);
   void record_ui(VkCommandBuffer commands, const VkFramebuffer& target);
   static void on_key(GLFWwindow* window, int key, int scancode, int action, int mods);
   static void on_character(GLFWwindow* window, unsigned int character);
@@ -172,6 +177,10 @@ class Window {
   VkFence done_ = VK_NULL_HANDLE;
 
   UploadedImage picture_;
+  int shelf_rect_ = -1;               // of set_pictures(), in ImGui's atlas of glyphs
+  std::uint64_t shelf_revision_ = 0;  // that the atlas has, or shelf_bytes_
+  bool shelf_fresh_ = false;          // shelf_bytes_ are not yet in the atlas
+  render::vk::Buffer shelf_bytes_;    // made with the first picture
   ShownUi shown_;
   PixelRect place_;      // of the last show()
   bool damaged_ = true;  // the window shows something else than the last show()

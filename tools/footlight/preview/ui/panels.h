@@ -17,6 +17,7 @@
 #include "tools/footlight/preview/ui/inputs_view.h"
 #include "tools/footlight/preview/ui/messages.h"
 #include "tools/footlight/preview/ui/outputs_view.h"
+#include "tools/footlight/preview/ui/picture_shelf.h"
 #include "tools/footlight/preview/ui/report_view.h"
 #include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
@@ -36,6 +37,7 @@ struct UiInput {
   InputsView* inputs = nullptr;          // live ones; its second part may be changed
   const MessageLog* messages = nullptr;  // of the window
   ReportView* report = nullptr;          // of the picture; its second part may be changed
+  PictureShelf* pictures = nullptr;      // small ones that panels draw; may be missing
   float scale = 1;                       // of the user interface
 };
 

@@ -188,7 +188,8 @@ class ReportPanel final : public Panel {
     ImGui::InvisibleButton("plot", whole);
     const bool hovered = ImGui::IsItemHovered();
     const ImVec2 low{at.x + label + 8 * scale, at.y + 4 * scale};
-    const ImVec2 high{at.x + whole.x - line, at.y + whole.y - 1.4f * line};
+    const float half = plot.ticks_x.empty() ? 0 : ImGui::CalcTextSize(plot.ticks_x.back().text.c_str()).x / 2;
+    const ImVec2 high{at.x + whole.x - half - 2, at.y + whole.y - 1.4f * line};
     const auto place = [&](float x, float y) {
       return ImVec2{low.x + x * (high.x - low.x), high.y - y * (high.y - low.y)};
     };
@@ -229,9 +230,10 @@ class ReportPanel final : public Panel {
       const ImVec2 at = place(tick.at, 0);
       draw.AddLine(at, place(tick.at, 1), thin);
       const float width = ImGui::CalcTextSize(tick.text.c_str()).x;
-      if (at.x - width / 2 < free_x) continue;
-      draw.AddText({at.x - width / 2, at.y + 2}, packed(kUiDim), tick.text.c_str());
-      free_x = at.x + width / 2 + line / 2;
+      const float left = tick.at == 0 ? at.x : at.x - width / 2;  // beside the lowest label of the other axis
+      if (left < free_x) continue;
+      draw.AddText({left, at.y + 2}, packed(kUiDim), tick.text.c_str());
+      free_x = left + width + line / 2;
     }
     float free_y = 1e9f;
     for (const ErrorPlot::Tick& tick : plot.ticks_y) {
