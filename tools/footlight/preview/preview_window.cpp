@@ -112,6 +112,7 @@ Status Preview::turn() {
   FL_TRY(window_->set_pictures(pictures_));
   draw_ui(dt_ns);
   if (std::exchange(shot_taken_, false)) write_own_shot();
+  follow_exchange();
   keep_edits();
   keep_markers();
   const PixelRect where = place();

@@ -27,6 +27,7 @@
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/displays/display_videos.h"
 #include "tools/footlight/edit/autosave.h"
+#include "tools/footlight/mvr/mvr_exchange.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/edited_scene.h"
 #include "tools/footlight/preview/frame_times.h"
@@ -117,6 +118,9 @@ class Preview {
   void read_report(double gpu_ms);
   void read_left_out();
   [[nodiscard]] bool reports() const { return panels_.is_open(report_panel_) && !window_->minimised(); }
+  // Rigs over the network: preview_exchange.cpp.
+  void follow_exchange();
+  [[nodiscard]] std::string folder_for_rigs() const;
   // What the user changes of the picture: preview_picture.cpp.
   void take_picture_requests();
   [[nodiscard]] double haze_per_m() const;
@@ -338,6 +342,9 @@ class Preview {
   bool discards_ = false;
   bool times_out_ = false;  // --seconds have passed
 
+  std::unique_ptr<MvrExchange> exchange_;  // while the user looks at stations, or something is exchanged
+  ExchangeView exchange_view_;
+  TimeNs exchange_seen_ns_ = 0;     // when the user looked last
   std::optional<Next> asked_next_;  // while the question is open
   std::optional<Next> next_;
   OpenQuestion open_question_;
