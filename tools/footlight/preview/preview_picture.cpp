@@ -37,8 +37,12 @@ Status Preview::follow_flashes() {
   const FlashMode mode = desk_->flashes();
   const bool limits = mode == FlashMode::kLimit;
   if (mode == FlashMode::kOff ? !flashes_ : flashes_ && flashes_->limits() == limits) return {};
-  flashes_.reset();
   facts_.flashes_harmful = facts_.flashes_held = false;
+  if (flashes_ && mode != FlashMode::kOff) {
+    flashes_->set_limits(limits);
+    return {};
+  }
+  flashes_.reset();
   if (mode == FlashMode::kOff) return {};
   FL_ASSIGN(flashes_, PreviewFlashes::make(*device_, limits));
   return {};

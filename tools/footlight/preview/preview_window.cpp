@@ -17,6 +17,7 @@
 #include "fixtures/simulate/machines.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/pictures/scene_files.h"
+#include "tools/footlight/preview/display_loss.h"
 
 namespace footlight::tools {
 namespace {
@@ -66,6 +67,8 @@ Result<int> Preview::open_and_turn() {
   if (!options_.record.empty()) FL_TRY(start_recording(options_.record));
   while (!signal.came() && !((window_->wants_close() || closing_) && may_close())) {
     Status turned = turn();
+    if (!turned) window_->poll();  // Vulkan may see it first
+    FL_TRY(check_display());
     while (!turned && (lost(device_) || lost(window_device_))) turned = start_again(turned.error());
     FL_TRY(turned);
   }
@@ -98,6 +101,7 @@ Status Preview::pace() {
 Status Preview::turn() {
   FL_TRY(pace());
   window_->poll();
+  FL_TRY(check_display());
   follow_settings();
   const TimeNs now_ns = clock_.now_ns();
   const DurationNs dt_ns = now_ns - last_ns_;
@@ -375,7 +379,7 @@ Status Preview::start_again(const Error& loss) {
   return of_stage ? replace_stage() : replace_window();
 }
 
-// The window shows black until the next picture of the stage.
+// The window shows the last picture until the next one of the stage.
 Status Preview::replace_window() {
   if (window_device_) messages_before_ += window_device_->validation_messages().size();
   window_->detach();
@@ -417,6 +421,8 @@ Status Preview::replace_stage() {
 
 namespace {
 
+constexpr double kSecondsLeast = 1e-3;  // of --seconds that are over: 0 is without an end
+
 // What the window of `options` leaves to those after it: without what belongs to the first one alone, and as its user
 // has set it since.
 void leave_to_next(PreviewOptions& options, const Preview& preview) {
@@ -424,6 +430,7 @@ void leave_to_next(PreviewOptions& options, const Preview& preview) {
   options.recover = false;
   options.at_ns = 0;
   options.news.clear();
+  if (options.seconds > 0) options.seconds = std::max(options.seconds - preview.seconds(), kSecondsLeast);
   options.ins = preview.inputs();
   if (const auto flashes = preview.flashes()) options.flashes = *flashes;
 }

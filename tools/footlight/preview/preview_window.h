@@ -69,6 +69,8 @@ class Preview {
   [[nodiscard]] const std::optional<Next>& next() const { return next_; }
   // A picture was shown.
   [[nodiscard]] bool opened() const { return picture_ns_ >= 0; }
+  // Since its first turn, which --seconds counts from.
+  [[nodiscard]] double seconds() const { return static_cast<double>(last_ns_ - start_ns_) * 1e-9; }
   // As the user has set them since: endpoints of inputs and controls; nothing: no rig was read.
   [[nodiscard]] std::vector<std::string> inputs() const;
   // An endpoint that sets levels by hand. A text that is no endpoint is none, and is refused where it is opened.

@@ -77,6 +77,7 @@ Status Window::set_picture(const HostPicture& picture) {
 }
 
 Status Window::set_pictures(PictureShelf& pictures) {
+  if (fonts_are_old_) FL_TRY(remake_fonts());
   const ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   const ImFontAtlasCustomRect& rect = atlas.CustomRects[shelf_rect_];
   if (!rect.IsPacked()) return {};  // no room: panels have no pictures
