@@ -144,7 +144,10 @@ TEST_CASE("a full shelf gives the place of what was not shown for the longest ti
   };
   for (int i = 0; i < kAll + 2; ++i) (void)ask(0, kAll);
   CHECK(ask(0, kAll) == kAll);
-  for (int i = 0; i < 4; ++i) CHECK(ask(0, kAll + 1) == kAll);  // one more has no place
+  for (int i = 0; i < 4; ++i) {
+    CHECK(!shelf.find(fmt::format("{:03}", kAll), [] { return grey(1); }));  // one more has no place
+    CHECK(ask(0, kAll) == kAll);
+  }
   // Without the first one there is room.
   for (int i = 0; i < 4; ++i) (void)ask(1, kAll + 1);
   CHECK(ask(1, kAll + 1) == kAll);
