@@ -31,10 +31,10 @@ class Groups {
 };
 
 std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
-  std::uint64_t known = groups.add("tables of fixtures", {&rig.types, &rig.channels, &rig.functions, &rig.masters,
-                                                          &rig.motors, &rig.spins, &rig.joints, &rig.wheels,
-                                                          &rig.wheel_slots, &rig.facets, &rig.lights, &rig.defaults,
-                                                          &rig.colors, &rig.heads});
+  std::uint64_t known =
+      groups.add("tables of fixtures",
+                 {&rig.types, &rig.channels, &rig.functions, &rig.masters, &rig.motors, &rig.spins, &rig.joints,
+                  &rig.wheels, &rig.wheel_slots, &rig.facets, &rig.lights, &rig.defaults, &rig.colors, &rig.heads});
   std::uint64_t states = 0;
   for (const vk::Buffer* buffer : rig.all_states()) states += buffer->size_bytes;
   groups.add("states of heads", states);
@@ -46,9 +46,8 @@ std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
                       {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images});
   known += groups.add("beams", {&rig.beams, &rig.blades});
   known += groups.add("shadows", {&rig.shadow_lists, &rig.shadows, &rig.shadow_maps});
-  known += groups.add("reflected light",
-                      {&rig.bounce_solids, &rig.bounce_tree, &rig.bounce_patch_rows, &rig.bounce_grid,
-                       &rig.bounce_forms, &rig.bounce_flux, &rig.bounce_light});
+  known += groups.add("reflected light", {&rig.bounce_solids, &rig.bounce_tree, &rig.bounce_patch_rows,
+                                          &rig.bounce_grid, &rig.bounce_forms, &rig.bounce_flux, &rig.bounce_light});
   known += groups.add("clouds of haze", {&rig.haze}, {&rig.haze_table});
   known += groups.add("lasers", {&rig.laser_segments, &rig.lasers});
   known += groups.add("mirror balls", {&rig.mirror_balls, &rig.mirror_pairs, &rig.mirror_normals, &rig.mirror_picks});
@@ -61,8 +60,8 @@ std::uint64_t add_picture(const PictureImages& picture, Groups& groups) {
   std::uint64_t known = groups.add("light and screen", {}, {&picture.radiance, &picture.screen});
   known += groups.add("which body a pixel shows", {&picture.small_depths, &picture.small_keys},
                       {&picture.surface_id, &picture.depth});
-  known += groups.add("beams by tile", {&picture.masks, &picture.laser_masks, &picture.fine_masks,
-                                        &picture.tile_depths, &picture.coarse, &picture.rims, &picture.cuts});
+  known += groups.add("beams by tile", {&picture.masks, &picture.laser_masks, &picture.fine_masks, &picture.tile_depths,
+                                        &picture.coarse, &picture.rims, &picture.cuts});
   known += groups.add("shadows by tile", {&picture.shadow_words, &picture.shadow_picks, &picture.shade_words});
   known += groups.add("smooth edges", {&picture.edge_masks}, {&picture.edges});
   known += groups.add("glare", {}, {&picture.glare});

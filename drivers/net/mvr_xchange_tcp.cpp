@@ -259,8 +259,8 @@ Result<bool> MvrClient::step(TimeNs now_ns) {
     if (*done) return true;
   }
   if (asking_.file_bytes() > 0 && now_ns - file_ns_ >= kMvrFileNs) {
-    return failed({ErrorCode::kTimeout, fmt::format("the file is not whole after {}; nothing is kept",
-                                                    seconds_text(kMvrFileNs))});
+    return failed({ErrorCode::kTimeout,
+                   fmt::format("the file is not whole after {}; nothing is kept", seconds_text(kMvrFileNs))});
   }
   const DurationNs limit_ns = connected_ ? kMvrSilenceNs : kMvrConnectNs;
   if (now_ns - moved_ns_ < limit_ns) return false;

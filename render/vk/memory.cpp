@@ -22,8 +22,8 @@ double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1024 * 10
 Status take_memory(const Device& device, const VkMemoryAllocateInfo& wanted, VkDeviceMemory& memory) {
   const std::uint64_t used_bytes = device.memory_bytes();
   const bool refused = used_bytes + wanted.allocationSize > refused_from_bytes();
-  const VkResult result = refused ? VK_ERROR_OUT_OF_DEVICE_MEMORY
-                                  : vkAllocateMemory(device.handle, &wanted, nullptr, &memory);
+  const VkResult result =
+      refused ? VK_ERROR_OUT_OF_DEVICE_MEMORY : vkAllocateMemory(device.handle, &wanted, nullptr, &memory);
   if (result != VK_ERROR_OUT_OF_DEVICE_MEMORY && result != VK_ERROR_OUT_OF_HOST_MEMORY) {
     return check(result, "vkAllocateMemory");
   }

@@ -172,9 +172,8 @@ TEST_CASE("the present rig is shared, is received by others, and no longer after
   MvrExchange other(quiet());
   Looking other_looking(other);
   other.add(address);
-  REQUIRE(other_looking.until([&] {
-    return !other_looking.view.stations.empty() && !other_looking.view.stations[0].files.empty();
-  }));
+  REQUIRE(other_looking.until(
+      [&] { return !other_looking.view.stations.empty() && !other_looking.view.stations[0].files.empty(); }));
   CHECK(other_looking.view.stations[0].files[0].name == "club.mvr");
   other.receive({address, other_looking.view.stations[0].files[0].uuid, "club.mvr"}, folder.file(""));
   REQUIRE(other_looking.until([&] { return other_looking.event(Kind::kReceived) != nullptr; }));
@@ -184,9 +183,8 @@ TEST_CASE("the present rig is shared, is received by others, and no longer after
   MvrExchange late(quiet());
   Looking late_looking(late);
   late.add(address);
-  REQUIRE(late_looking.until([&] {
-    return !late_looking.view.stations.empty() && !late_looking.view.stations[0].trouble.empty();
-  }));
+  REQUIRE(late_looking.until(
+      [&] { return !late_looking.view.stations.empty() && !late_looking.view.stations[0].trouble.empty(); }));
   CHECK(!late_looking.view.stations[0].joined);
 }
 

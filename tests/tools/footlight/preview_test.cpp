@@ -171,12 +171,12 @@ TEST_CASE("an X server that goes away ends the window with a message, and its re
   std::ofstream(folder.file("rig.toml")) << kOnePar;
   Display display(320, 200);
   REQUIRE(!display.name().empty());
-  Footlight window({"preview", folder.file("rig.toml"), "--size", "160x90", "--json", "--record",
-                    folder.file("kept.dmxlog")},
-                   {{"DISPLAY", display.name()},
-                    {"WAYLAND_DISPLAY", ""},
-                    {"XDG_STATE_HOME", folder.file("state")},
-                    {"ASAN_OPTIONS", "detect_leaks=0"}});
+  Footlight window(
+      {"preview", folder.file("rig.toml"), "--size", "160x90", "--json", "--record", folder.file("kept.dmxlog")},
+      {{"DISPLAY", display.name()},
+       {"WAYLAND_DISPLAY", ""},
+       {"XDG_STATE_HOME", folder.file("state")},
+       {"ASAN_OPTIONS", "detect_leaks=0"}});
   window.wait_for("\"event\":\"frames\"");
   display.end(SIGKILL);
   const Outcome outcome = window.wait();
@@ -207,7 +207,8 @@ TEST_CASE("all panels draw in a small window, and the picture keeps its size") {
   const TempFolder folder;
   std::ofstream(folder.file("rig.toml")) << kOnePar;
   const std::string line = folder.file("rig.toml") + " --seconds 1 --size 640x360 --json --screenshot ";
-  const std::string all = " --panels universes,fixtures,inspector,timeline,devices,library,messages,report,keys --select Par";
+  const std::string all =
+      " --panels universes,fixtures,inspector,timeline,devices,library,messages,report,keys --select Par";
   const int code = preview(folder, line + folder.file("a.png") + all);
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;

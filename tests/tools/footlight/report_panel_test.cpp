@@ -34,8 +34,10 @@ ReportView measured_view() {
 class ReportUi final : public testing::DrawnUi {
  public:
   explicit ReportUi(float height = 720)
-      : imgui_(1280, height), rig_(testing::compiled_rig(testing::parsed_rig(testing::kUiRig))),
-        desk_(rig_.rig, rig_.compiled), panel_(make_report_panel(desk_)) {}
+      : imgui_(1280, height),
+        rig_(testing::compiled_rig(testing::parsed_rig(testing::kUiRig))),
+        desk_(rig_.rig, rig_.compiled),
+        panel_(make_report_panel(desk_)) {}
   ReportView view = measured_view();
 
  private:

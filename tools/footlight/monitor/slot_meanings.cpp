@@ -50,8 +50,9 @@ std::string SlotMeanings::words(Universe universe, Address address, const LevelV
     if (i >= uses.size()) continue;
     const ChannelKey key = uses[i].key;
     const auto reading = reading_of(fixtures::type_of(*rig_, rig_->fixtures[static_cast<std::size_t>(key.fixture)]),
-                                    index_->channel(key), index_->read(key, all),
-                                    [&](int other) { return index_->read({key.fixture, other}, all); });
+                                    index_->channel(key), index_->read(key, all), [&](int other) {
+                                      return index_->read({key.fixture, other}, all);
+                                    });
     words += ": " + text_of(reading);
   }
   return words;

@@ -20,20 +20,20 @@ struct ExchangeView {
   struct Station {
     std::string address;  // "10.0.0.7:42424"
     std::string name;
-    std::string program;  // may be empty
-    std::string group;    // may be empty
-    bool joined = false;  // it has answered
-    std::string trouble;  // why not; empty: it has, or the answer is under way
+    std::string program;      // may be empty
+    std::string group;        // may be empty
+    bool joined = false;      // it has answered
+    std::string trouble;      // why not; empty: it has, or the answer is under way
     std::vector<File> files;  // the newest is the last one
     bool operator==(const Station&) const = default;
   };
   // What is.
-  bool on = false;           // stations are looked for
-  std::string trouble;       // why they are not found, or do not find this one; empty: they are
+  bool on = false;      // stations are looked for
+  std::string trouble;  // why they are not found, or do not find this one; empty: they are
   std::vector<Station> stations;
-  std::string receiving;     // "tour.mvr, 34 %"; empty: nothing
-  std::string sharing;       // "tour.mvr, 1.2 MB, to 2 stations"; empty: nothing
-  bool makes = false;        // the file that is to be shared
+  std::string receiving;  // "tour.mvr, 34 %"; empty: nothing
+  std::string sharing;    // "tour.mvr, 1.2 MB, to 2 stations"; empty: nothing
+  bool makes = false;     // the file that is to be shared
 
   // What the user asks for; the loop carries it out and resets it.
   struct Wanted {

@@ -32,8 +32,8 @@ using drivers::MvrClient;
 using drivers::MvrCommit;
 using drivers::MvrGroup;
 
-constexpr int kTickMs = 100;                      // for requests, timeouts and the view
-constexpr DurationNs kLeaveNs = kNsPerS / 2;      // for the answers when this program leaves
+constexpr int kTickMs = 100;                  // for requests, timeouts and the view
+constexpr DurationNs kLeaveNs = kNsPerS / 2;  // for the answers when this program leaves
 constexpr std::size_t kFileNameBytesMax = 100;
 constexpr int kNumberMax = 1000;
 
@@ -209,8 +209,8 @@ class MvrExchange::Work {
     for (const MvrCommit& commit : member.peer.commits) {
       if (drivers::same_uuid(commit.file_uuid, request.wanted.uuid)) receiving_->announced_bytes = commit.file_bytes;
     }
-    FL_ASSIGN(receiving_->client, MvrClient::open(member.station.name, member.station.address, message,
-                                                  clock_.now_ns(), &receiving_->part));
+    FL_ASSIGN(receiving_->client, MvrClient::open(member.station.name, member.station.address, message, clock_.now_ns(),
+                                                  &receiving_->part));
     return {};
   }
 
@@ -231,8 +231,8 @@ class MvrExchange::Work {
                                                    printable_line(one->client->asking().answer().message)));
     }
     if (one->announced_bytes != 0 && one->announced_bytes != one->part.bytes()) {
-      tell(Event::Kind::kNews, fmt::format("'{}' announced {} bytes and sent {}", one->station, one->announced_bytes,
-                                           one->part.bytes()));
+      tell(Event::Kind::kNews,
+           fmt::format("'{}' announced {} bytes and sent {}", one->station, one->announced_bytes, one->part.bytes()));
     }
     const auto rig = one->part.finish();
     if (!rig) return tell(Event::Kind::kError, printable_line(rig.error().message));
@@ -262,8 +262,8 @@ class MvrExchange::Work {
     }
     self_->offer(revision.commit, revision.bytes);
     shared_ = fmt::format("{}, {}", printable_line(request.file_name), size_text(revision.commit.file_bytes));
-    tell(Event::Kind::kNews, fmt::format("shared as '{}': {}; TCP port {}", printable_line(self_->name()), shared_,
-                                         server_->port()));
+    tell(Event::Kind::kNews,
+         fmt::format("shared as '{}': {}; TCP port {}", printable_line(self_->name()), shared_, server_->port()));
     return {};
   }
 
@@ -312,8 +312,8 @@ class MvrExchange::Work {
       one.trouble = printable_line(member.trouble);
       joined += member.joined ? 1 : 0;
       for (const MvrCommit& commit : member.peer.commits) {
-        one.files.push_back({commit.file_uuid, printable_line(commit.file_name), printable_line(commit.comment),
-                             commit.file_bytes});
+        one.files.push_back(
+            {commit.file_uuid, printable_line(commit.file_name), printable_line(commit.comment), commit.file_bytes});
       }
     }
     if (receiving_) view.receiving = receiving_words();

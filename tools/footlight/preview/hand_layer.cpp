@@ -143,8 +143,7 @@ void HandLayer::finish_turn(Pump& pump) {
   done->get_future().wait();
 }
 
-Status HandLayer::rest_on(std::string name, std::span<const Universe> universes,
-                          std::span<const std::uint8_t> levels) {
+Status HandLayer::rest_on(std::string name, std::span<const Universe> universes, std::span<const std::uint8_t> levels) {
   const bool same = own_ != nullptr && feed_->name() == name &&
                     std::equal(universes.begin(), universes.end(), fed_.begin(), fed_.end());
   if (same) return {};

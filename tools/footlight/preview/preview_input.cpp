@@ -60,9 +60,9 @@ void Preview::draw_ui(DurationNs dt_ns) {
   };
   begin_gesture([](ImGuiMouseButton button) { return ImGui::IsMouseClicked(button); });
   std::optional<UiCall> chosen;
-  draw_panel(facts_, controls_, shown_levels(), hand_.get(), window_->ui_scale(),
-             [&] { chosen = draw_menu(*desk_, panels_, player_ != nullptr, outputs_ ? &outputs_view_ : nullptr,
-                                    &exchange_view_); });
+  draw_panel(facts_, controls_, shown_levels(), hand_.get(), window_->ui_scale(), [&] {
+    chosen = draw_menu(*desk_, panels_, player_ != nullptr, outputs_ ? &outputs_view_ : nullptr, &exchange_view_);
+  });
   if (const Exposure shown{controls_.exposure_ev, controls_.auto_exposure}; shown != desk_->state().exposure) {
     desk_->set_exposure(shown);
   }

@@ -30,8 +30,8 @@
 #include "tools/footlight/preview/mouse_queue.h"
 #include "tools/footlight/preview/ui/picture_shelf.h"
 #include "tools/footlight/preview/uploaded_image.h"
-#include "tools/footlight/preview/window_ui.h"
 #include "tools/footlight/preview/window_settings.h"
+#include "tools/footlight/preview/window_ui.h"
 
 struct GLFWwindow;
 
@@ -187,7 +187,7 @@ class Window {
     std::vector<std::uint8_t> rgba;
     int width = 0;
     int height = 0;
-  } kept_;  // the last picture of a device that was let go
+  } kept_;                            // the last picture of a device that was let go
   int shelf_rect_ = -1;               // of set_pictures(), in ImGui's atlas of glyphs
   std::uint64_t shelf_revision_ = 0;  // that the atlas has, or shelf_bytes_
   bool shelf_fresh_ = false;          // shelf_bytes_ are not yet in the atlas

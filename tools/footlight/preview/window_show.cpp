@@ -113,8 +113,7 @@ void Window::record_shelf(VkCommandBuffer commands) {
 
 Result<Window::Shown> Window::show(const PixelRect& place) {
   if (static_cast<int>(extent_.width) != width_ || static_cast<int>(extent_.height) != height_) stale_ = true;
-  const bool changes = shown_.changes(*ImGui::GetDrawData()) || picture_.is_fresh() || shelf_fresh_ ||
-                       place != place_;
+  const bool changes = shown_.changes(*ImGui::GetDrawData()) || picture_.is_fresh() || shelf_fresh_ || place != place_;
   if (!changes && !stale_ && !damaged_ && !shot_wanted_) return Shown::kSame;
   damaged_ = true;  // until it is shown
   place_ = place;

@@ -42,7 +42,6 @@ struct LeftOutRow {
 [[nodiscard]] Result<std::vector<LeftOutRow>> measure_left_out(render::vk::Device& device, const Scene& scene,
                                                                const LeftOutOptions& options);
 
-
 // The same rows with bytes alone, and with the code of each pass. Needs no device: any thread. `needs`: of the rig, or
 // drawn_needs() of it.
 struct LeftOutPlan {

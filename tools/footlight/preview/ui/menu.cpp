@@ -52,7 +52,8 @@ std::string words_of(const ExchangeView::File& file) {
 
 // The newest file first.
 void draw_station(const ExchangeView::Station& station, ExchangeView& exchange) {
-  const std::string title = station.program.empty() ? station.name : fmt::format("{} ({})", station.name, station.program);
+  const std::string title =
+      station.program.empty() ? station.name : fmt::format("{} ({})", station.name, station.program);
   ui_text(station.joined ? kUiAmber : kUiDim, title);
   if (!station.trouble.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", station.trouble.c_str());
   if (!station.joined) return ui_text(kUiDim, station.trouble.empty() ? "  asked ..." : "  does not answer");
@@ -154,13 +155,13 @@ std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool h
                                 ExchangeView* exchange) {
   std::optional<UiCall> chosen;
   const auto rows = [&](UiMenu menu) { return [&, menu] { draw_rows(menu, desk, outputs, chosen); }; };
-  const std::array<Menu, 6> menus{{{"File", exchange != nullptr || !desk.recent_rigs().empty(),
-                                    [&] { draw_file(desk, exchange, chosen); }},
-                                   {"Panels", true, [&] { draw_panel_rows(open, chosen); }},
-                                   {"Edit", true, rows(UiMenu::kEdit)},
-                                   {"View", true, rows(UiMenu::kView)},
-                                   {"Play", has_log, rows(UiMenu::kPlayback)},
-                                   {"Outputs", outputs != nullptr, rows(UiMenu::kOutputs)}}};
+  const std::array<Menu, 6> menus{
+      {{"File", exchange != nullptr || !desk.recent_rigs().empty(), [&] { draw_file(desk, exchange, chosen); }},
+       {"Panels", true, [&] { draw_panel_rows(open, chosen); }},
+       {"Edit", true, rows(UiMenu::kEdit)},
+       {"View", true, rows(UiMenu::kView)},
+       {"Play", has_log, rows(UiMenu::kPlayback)},
+       {"Outputs", outputs != nullptr, rows(UiMenu::kOutputs)}}};
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, menu_spacing(menus));
   for (const Menu& menu : menus) {
     if (!menu.is_there || !ImGui::BeginMenu(menu.title)) continue;

@@ -31,7 +31,8 @@ std::optional<PictureShelf::Place> PictureShelf::find(const std::string& key,
   entry.asked = frame_;
   if (entry.failed) return std::nullopt;
   if (!entry.cell) {
-    if (!entry.make && making_key_ != key) entry.make = make;
+    if (!entry.make) entry.make = make;
+    entry.waits = making_key_ != key;
     return std::nullopt;
   }
   const float width = (area->right - area->left) / kSide;
@@ -49,16 +50,18 @@ void PictureShelf::step() {
     entry.failed = !good;
     if (const auto cell = good ? free_cell() : std::nullopt) {  // else it is asked for again in the next frame
       entry.cell = *cell;
+      entry.waits = false;
       put(*cell, *made);
     }
   }
   if (!making_.valid()) {
     // Of those that are still wanted.
     const auto next = std::find_if(entries_.begin(), entries_.end(),
-                                   [&](const auto& one) { return one.second.make && one.second.asked == frame_; });
+                                   [&](const auto& one) { return one.second.waits && one.second.asked == frame_; });
     if (next != entries_.end()) {
       making_key_ = next->first;
-      making_ = start_(std::exchange(next->second.make, nullptr));
+      next->second.waits = false;
+      making_ = start_(next->second.make);
     }
   }
   if (entries_.size() > kEntriesMax) {

@@ -41,7 +41,7 @@ class PictureShelf {
     float right = 0;
     float bottom = 0;
   };
-  // Nothing while it is being made, and if it cannot be. `make` must own what it uses.
+  // Nothing while it is being made, and if it cannot be. `make` must own what it uses, which lives as long as the key.
   [[nodiscard]] std::optional<Place> find(const std::string& key, const std::function<Result<ShelfPicture>()>& make);
   // Once a frame: takes a picture that is done, and begins the next one.
   void step();
@@ -57,8 +57,9 @@ class PictureShelf {
   struct Entry {
     std::optional<int> cell;
     bool failed = false;
+    bool waits = true;        // to be made
     std::uint64_t asked = 0;  // the frame in which it was asked for last
-    std::function<Result<ShelfPicture>()> make;  // until it is begun
+    std::function<Result<ShelfPicture>()> make;  // kept: a key may name what it owns
   };
 
   [[nodiscard]] std::optional<int> free_cell();

@@ -48,7 +48,8 @@ class ReportPanel final : public Panel {
  private:
   void draw_passes(const ReportView& view, float scale) const {
     if (history_.rows().empty()) {
-      return ui_text(kUiDim, fmt::format("This device has no time stamps; a picture took {}.", ms_text(view.picture_ms)));
+      return ui_text(kUiDim,
+                     fmt::format("This device has no time stamps; a picture took {}.", ms_text(view.picture_ms)));
     }
     ui_text(kUiDim, fmt::format("GPU time of each pass in the last {} pictures", history_.pictures()));
     constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit;
@@ -107,8 +108,8 @@ class ReportPanel final : public Panel {
       const ImVec2 at = ImGui::GetCursorScreenPos();
       const ImVec2 size{std::max(ImGui::GetContentRegionAvail().x, 10.0f), ImGui::GetTextLineHeight()};
       ImGui::Dummy(size);
-      ImGui::GetWindowDrawList()->AddRectFilled({at.x, at.y + 2}, {at.x + std::max(size.x * share, 1.0f), at.y + size.y - 2},
-                                                packed(ui_colours.bar));
+      ImGui::GetWindowDrawList()->AddRectFilled(
+          {at.x, at.y + 2}, {at.x + std::max(size.x * share, 1.0f), at.y + size.y - 2}, packed(ui_colours.bar));
     }
     ImGui::EndTable();
   }
@@ -116,10 +117,11 @@ class ReportPanel final : public Panel {
   static void draw_left_out(const ReportView& view) {
     if (!view.has_left_out) return ui_text(kUiDim, "looking ...");
     ui_wrapped(ui_colours.text,
-            fmt::format("Code of shaders: {} in use, {} left out.", bytes_text(view.left_out.used_code_bytes),
-                        bytes_text(view.left_out.code_bytes)));
-    ui_wrapped(kUiDim, "Memory is that of the buffers and images that the picture would have more; of a pass, those "
-                       "that come with it. -: the settings leave it out, not the rig.");
+               fmt::format("Code of shaders: {} in use, {} left out.", bytes_text(view.left_out.used_code_bytes),
+                           bytes_text(view.left_out.code_bytes)));
+    ui_wrapped(kUiDim,
+               "Memory is that of the buffers and images that the picture would have more; of a pass, those "
+               "that come with it. -: the settings leave it out, not the rig.");
     constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit;
     if (!ImGui::BeginTable("left out", 4, kFlags)) return;
     ImGui::TableSetupColumn("left out");
@@ -147,8 +149,8 @@ class ReportPanel final : public Panel {
     if (view.error.samples > 0) {
       ui_text(fmt::format("Measured: relative L2 error {}", share_text(view.error.rel_l2)));
       ImGui::SameLine();
-      ui_text(kUiDim, fmt::format("95 %: {} to {}, {} samples", share_text(view.error.low),
-                                  share_text(view.error.high), view.error.samples));
+      ui_text(kUiDim, fmt::format("95 %: {} to {}, {} samples", share_text(view.error.low), share_text(view.error.high),
+                                  view.error.samples));
     } else {
       ui_text(kUiDim, "The error of this picture is not measured: no beams, or other kinds of light.");
     }
@@ -161,8 +163,9 @@ class ReportPanel final : public Panel {
       if (ImGui::Button("measure error against time")) view.measure = true;
       ImGui::EndDisabled();
       if (!view.why_not_measure.empty()) ui_wrapped(kUiRed, view.why_not_measure);
-      ui_wrapped(kUiDim, "Takes seconds on a GPU and up to minutes on a CPU; the picture stands still. It is kept for "
-                      "this machine.");
+      ui_wrapped(kUiDim,
+                 "Takes seconds on a GPU and up to minutes on a CPU; the picture stands still. It is kept for "
+                 "this machine.");
       return;
     }
     draw_plot(*plot, scale);
@@ -267,7 +270,8 @@ class ReportPanel final : public Panel {
     ImGui::SameLine();
     ui_text(kUiDim, "- error against GPU time of a picture");
     if (plot.scale == 1) return ui_text(kUiDim, "times of the scenes that it was measured on");
-    ui_text(kUiDim, fmt::format("times of the scenes that it was measured on, times {:.3g}: as this picture", plot.scale));
+    ui_text(kUiDim,
+            fmt::format("times of the scenes that it was measured on, times {:.3g}: as this picture", plot.scale));
   }
 
   PassHistory history_;

@@ -1,5 +1,5 @@
-// What the report panel shows of the picture, and what its plot is made of. Plain data: the loop of the preview fills it
-// in (preview_report.cpp). No Dear ImGui.
+// What the report panel shows of the picture, and what its plot is made of. Plain data: the loop of the preview fills
+// it in (preview_report.cpp). No Dear ImGui.
 #pragma once
 
 #include <cstddef>

@@ -14,8 +14,9 @@ std::string value_of(UiDesk& desk, const UiInput& input, ChannelKey key) {
   const fixtures::PatchedFixture& one = desk.rig().fixtures[static_cast<std::size_t>(key.fixture)];
   const fixtures::Channel& channel = desk.index().channel(key);
   const ChannelReading reading =
-      reading_of(fixtures::type_of(desk.rig(), one), channel, desk.index().read(key, input.levels),
-                 [&](int other) { return desk.index().read({key.fixture, other}, input.levels); });
+      reading_of(fixtures::type_of(desk.rig(), one), channel, desk.index().read(key, input.levels), [&](int other) {
+        return desk.index().read({key.fixture, other}, input.levels);
+      });
   const bool other_name = reading.function != nullptr && reading.function->attribute != name_of(channel);
   return fmt::format("{}: {}", other_name ? fmt::format(" ({})", reading.function->attribute) : "", text_of(reading));
 }
@@ -26,8 +27,8 @@ SlotTip tip_of_slot(UiDesk& desk, const UiInput& input, std::size_t universe, st
                     const SlotChanges& changes, TimeNs now_ns) {
   SlotTip tip;
   const std::uint8_t level = changes.levels[slot];
-  tip.level = fmt::format("{}.{}  level {} ({:.0f} %)", desk.compiled().universes[universe], slot + 1, level,
-                          level / 2.55);
+  tip.level =
+      fmt::format("{}.{}  level {} ({:.0f} %)", desk.compiled().universes[universe], slot + 1, level, level / 2.55);
   const auto uses = desk.index().uses(universe, slot);
   const std::size_t at = universe * kSlotCountMax + slot;
   const bool is_now = at < input.levels.size() && input.levels[at] == level;

@@ -17,8 +17,8 @@ struct SlotTip {
   std::string ages;                // "last frame 0.1 s ago, changed 2.3 s ago"; may be empty
 };
 
-// changes: the levels that are shown, which may be frozen or kept from before; then the tip has no values in real units.
-// now_ns: of them. universe: counts in CompiledRig::universes.
+// changes: the levels that are shown, which may be frozen or kept from before; then the tip has no values in real
+// units. now_ns: of them. universe: counts in CompiledRig::universes.
 [[nodiscard]] SlotTip tip_of_slot(UiDesk& desk, const UiInput& input, std::size_t universe, std::size_t slot,
                                   const SlotChanges& changes, TimeNs now_ns);
 

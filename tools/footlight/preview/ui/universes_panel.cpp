@@ -14,11 +14,11 @@
 #include "fixtures/displays/pixel_slots.h"
 #include "tools/footlight/monitor/slot_changes.h"
 #include "tools/footlight/preview/ui/draw_compare.h"
+#include "tools/footlight/preview/ui/draw_universe_maps.h"
 #include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/slot_names.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
-#include "tools/footlight/preview/ui/universe_maps.h"
 
 namespace footlight::tools {
 namespace {

@@ -103,8 +103,8 @@ Result<ShelfPicture> gobo_picture(const fixtures::ImageSource& image) {
       const auto at = static_cast<std::size_t>(3 * (row * kShelfPicturePx + column));
       for (std::size_t c = 0; c < 3; ++c) {
         const float light = std::clamp(texels[at + c], 0.0f, 1.0f);
-        picture.rgba.push_back(
-            inside ? static_cast<std::uint8_t>(std::lround(255 * fixtures::srgb_of_linear(light))) : std::uint8_t{0});
+        picture.rgba.push_back(inside ? static_cast<std::uint8_t>(std::lround(255 * fixtures::srgb_of_linear(light)))
+                                      : std::uint8_t{0});
       }
       picture.rgba.push_back(inside ? std::uint8_t{255} : std::uint8_t{0});
     }

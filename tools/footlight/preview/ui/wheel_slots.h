@@ -20,13 +20,13 @@ struct WheelChoice {
   struct Slot {
     int number = 0;  // in its wheel, from 1
     std::string name;
-    std::uint32_t raw = 0;             // that selects it: the middle of its range
-    std::uint32_t raw_from = 0;        // its range
+    std::uint32_t raw = 0;       // that selects it: the middle of its range
+    std::uint32_t raw_from = 0;  // its range
     std::uint32_t raw_to = 0;
-    glm::dvec3 screen_rgb{1};          // of white light behind it, sRGB, 0 to 1
-    bool coloured = false;             // it is not white
-    bool open = false;                 // nothing is in the beam
-    std::size_t facets = 0;            // of a prism
+    glm::dvec3 screen_rgb{1};                    // of white light behind it, sRGB, 0 to 1
+    bool coloured = false;                       // it is not white
+    bool open = false;                           // nothing is in the beam
+    std::size_t facets = 0;                      // of a prism
     std::optional<fixtures::ImageSource> image;  // of a gobo
   };
   int channel = 0;

@@ -1,4 +1,4 @@
-#include "tools/footlight/preview/ui/universe_maps.h"
+#include "tools/footlight/preview/ui/draw_universe_maps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -82,16 +82,16 @@ void UniverseMaps::draw_map(UiDesk& desk, const UiInput& input, std::size_t inde
     const ImVec2 low{place.low.x + place.cell.x * static_cast<float>(slot % kMapColumns),
                      place.low.y + place.cell.y * static_cast<float>(slot / kMapColumns)};
     const ImVec2 high{low.x + std::max(place.cell.x - 1, 1.0f), low.y + std::max(place.cell.y - 1, 1.0f)};
-    const ImVec4& ground = uses.empty()                            ? ui_colours.ground
+    const ImVec4& ground = uses.empty()                        ? ui_colours.ground
                            : uses.front().key.fixture % 2 == 0 ? ui_colours.even
                                                                : ui_colours.odd;
     const float level = static_cast<float>(map.levels[at]) / 255;
     // The colour has the level: as a bar of the grid, but for its height.
     const ImVec4 lit = between(ui_colours.bar, ui_colours.hot, heat);
     draw.AddRectFilled(low, high, ImGui::GetColorU32(between(ground, lit, std::max(std::sqrt(level), 0.5f * heat))));
-    const bool selected = !state.selection.fixtures.empty() &&
-                          std::any_of(uses.begin(), uses.end(),
-                                      [&](const SlotUse& use) { return state.selection.has(use.key.fixture); });
+    const bool selected =
+        !state.selection.fixtures.empty() &&
+        std::any_of(uses.begin(), uses.end(), [&](const SlotUse& use) { return state.selection.has(use.key.fixture); });
     if (selected) draw.AddRectFilled({low.x, high.y - 1.5f}, high, ImGui::GetColorU32(kUiAmber));
   }
   if (source_of_universe(desk, input, universe).silent) {
@@ -124,9 +124,8 @@ std::optional<std::size_t> UniverseMaps::draw(UiDesk& desk, const UiInput& input
     const auto lit = std::count_if(maps_[index].levels.begin(), maps_[index].levels.end(),
                                    [](std::uint8_t level) { return level > 0; });
     const int differ = difference.slots_of(universes[universe]);
-    const std::string title = differ > 0
-                                  ? fmt::format("universe {}: {} differ", universes[universe], differ)
-                                  : fmt::format("universe {}: {} not 0", universes[universe], lit);
+    const std::string title = differ > 0 ? fmt::format("universe {}: {} differ", universes[universe], differ)
+                                         : fmt::format("universe {}: {} not 0", universes[universe], lit);
     ImGui::SetCursorScreenPos(corner);
     ui_text(title);
     ImGui::SetCursorScreenPos(place.low);

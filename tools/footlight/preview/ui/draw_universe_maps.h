@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/monitor/slot_changes.h"
+#include "tools/footlight/preview/ui/panels.h"
 
 namespace footlight::tools {
 
