@@ -27,7 +27,7 @@ inline constexpr DurationNs kMvrConnectNs = 5 * kNsPerS;  // to a station that d
 // file, and the rest of it.
 inline constexpr DurationNs kMvrSilenceNs = 15 * kNsPerS;
 inline constexpr std::uint64_t kMvrSlowestBytes = 64u << 10;
-inline constexpr DurationNs kMvrFileNs = 30 * 60 * kNsPerS;  // from its first byte to its last
+inline constexpr DurationNs kMvrFileNs = 1'800 * kNsPerS;  // from its first byte to its last
 
 // IPv4 in host byte order.
 struct MvrAddress {

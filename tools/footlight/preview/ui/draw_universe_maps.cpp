@@ -79,8 +79,9 @@ void UniverseMaps::draw_map(UiDesk& desk, const UiInput& input, std::size_t inde
     const auto uses = desk.index().uses(universe, at);
     const float heat = map.heat(at, now_ns_);
     if (uses.empty() && map.levels[at] == 0 && heat == 0) continue;
+    const int row = slot / kMapColumns;
     const ImVec2 low{place.low.x + place.cell.x * static_cast<float>(slot % kMapColumns),
-                     place.low.y + place.cell.y * static_cast<float>(slot / kMapColumns)};
+                     place.low.y + place.cell.y * static_cast<float>(row)};
     const ImVec2 high{low.x + std::max(place.cell.x - 1, 1.0f), low.y + std::max(place.cell.y - 1, 1.0f)};
     const ImVec4& ground = uses.empty()                        ? ui_colours.ground
                            : uses.front().key.fixture % 2 == 0 ? ui_colours.even
@@ -118,8 +119,9 @@ std::optional<std::size_t> UniverseMaps::draw(UiDesk& desk, const UiInput& input
   for (int i = 0; i < count; ++i) {
     const auto index = static_cast<std::size_t>(i);
     const std::size_t universe = first_ + index;
+    const int map_row = i / columns;
     const ImVec2 corner{at.x + static_cast<float>(i % columns) * (cell.x * kMapColumns + gap),
-                        at.y + static_cast<float>(i / columns) * (cell.y * kMapRows + line + gap)};
+                        at.y + static_cast<float>(map_row) * (cell.y * kMapRows + line + gap)};
     const Place place{{corner.x, corner.y + line}, cell};
     const auto lit = std::count_if(maps_[index].levels.begin(), maps_[index].levels.end(),
                                    [](std::uint8_t level) { return level > 0; });

@@ -38,7 +38,8 @@ std::optional<PictureShelf::Place> PictureShelf::find(const std::string& key,
   const float width = (area->right - area->left) / kSide;
   const float height = (area->bottom - area->top) / kSide;
   const float left = area->left + static_cast<float>(*entry.cell % kSide) * width;
-  const float top = area->top + static_cast<float>(*entry.cell / kSide) * height;
+  const int row = *entry.cell / kSide;
+  const float top = area->top + static_cast<float>(row) * height;
   return Place{left, top, left + width, top + height};
 }
 
