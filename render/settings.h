@@ -100,6 +100,7 @@ struct FrameSettings {
   bool auto_exposure = false;  // Frame::record() then takes its exposure from the picture
   FrameView view = FrameView::kPicture;
   int supersample = 1;  // pixels a side of one pixel of the screen; the size is that of the radiance
+  bool operator==(const FrameSettings&) const = default;
 };
 
 }  // namespace footlight::render

@@ -29,14 +29,16 @@ void take_others(MvrGroup::Member& member, const MvrFound& found) {
 MvrGroup::MvrGroup(MvrStation& station, MvrDiscovery* discovery, std::string group,
                    const std::vector<MvrAddress>& named)
     : station_(station), discovery_(discovery), group_(std::move(group)) {
-  for (const MvrAddress& address : named) {
-    if (member_at(address) != nullptr) continue;
-    Member member;
-    member.station.name = text_of(address);
-    member.station.address = address;
-    member.named = true;
-    members_.push_back(std::move(member));
-  }
+  for (const MvrAddress& address : named) add_named(address);
+}
+
+void MvrGroup::add_named(const MvrAddress& address) {
+  if (member_at(address) != nullptr) return;
+  Member member;
+  member.station.name = text_of(address);
+  member.station.address = address;
+  member.named = true;
+  members_.push_back(std::move(member));
 }
 
 MvrGroup::Member* MvrGroup::member_at(const MvrAddress& address) {

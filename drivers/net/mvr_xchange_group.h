@@ -37,6 +37,8 @@ class MvrGroup {
   // `station` and `discovery` must live as long.
   MvrGroup(MvrStation& station, MvrDiscovery* discovery, std::string group, const std::vector<MvrAddress>& named);
 
+  // A station that need not be found. Nothing happens if it is known.
+  void add_named(const MvrAddress& address);
   void add_descriptors(std::vector<pollfd>& waiting) const;
   // Also informs the joined stations of the newest file that the station offers.
   void step(TimeNs now_ns);

@@ -258,9 +258,17 @@ Result<bool> MvrClient::step(TimeNs now_ns) {
     if (*done) socket_.reset();
     if (*done) return true;
   }
+  if (asking_.file_bytes() > 0 && now_ns - file_ns_ >= kMvrFileNs) {
+    return failed({ErrorCode::kTimeout,
+                   fmt::format("the file is not whole after {}; nothing is kept", seconds_text(kMvrFileNs))});
+  }
   const DurationNs limit_ns = connected_ ? kMvrSilenceNs : kMvrConnectNs;
   if (now_ns - moved_ns_ < limit_ns) return false;
-  const char* const missing = !connected_ ? "connection" : asking_.file_bytes() > 0 ? "more of the file" : "answer";
+  if (asking_.file_bytes() > 0) {
+    return failed({ErrorCode::kTimeout, fmt::format("less than {} KiB more of the file within {}; nothing is kept",
+                                                    kMvrSlowestBytes >> 10, seconds_text(limit_ns))});
+  }
+  const char* const missing = !connected_ ? "connection" : "answer";
   return failed({ErrorCode::kTimeout, fmt::format("no {} within {}", missing, seconds_text(limit_ns))});
 }
 
@@ -284,7 +292,11 @@ Result<bool> MvrClient::move_bytes(TimeNs now_ns) {
     }
     const std::uint64_t file_bytes = asking_.file_bytes();
     FL_TRY(asking_.receive(std::span(buffer).first(got.size)));
-    if (asking_.file_bytes() != file_bytes) moved_ns_ = now_ns;
+    if (file_bytes == 0 && asking_.file_bytes() > 0) file_ns_ = moved_ns_ = now_ns;
+    if (asking_.file_bytes() >= moved_bytes_ + kMvrSlowestBytes) {
+      moved_ns_ = now_ns;
+      moved_bytes_ = asking_.file_bytes();
+    }
     if (asking_.done()) return true;
   }
   return false;

@@ -23,8 +23,11 @@ namespace footlight::drivers {
 
 inline constexpr std::size_t kMvrConnectionsMax = 32;     // accepted; the one that is silent longest makes room
 inline constexpr DurationNs kMvrConnectNs = 5 * kNsPerS;  // to a station that does not answer
-// For a whole message, or an answer that is no file: bytes that drip do not prolong it. For a file: without a byte.
+// For a whole message, or an answer that is no file: bytes that drip do not prolong it. For each kMvrSlowestBytes of a
+// file, and the rest of it.
 inline constexpr DurationNs kMvrSilenceNs = 15 * kNsPerS;
+inline constexpr std::uint64_t kMvrSlowestBytes = 64u << 10;
+inline constexpr DurationNs kMvrFileNs = 1'800 * kNsPerS;  // from its first byte to its last
 
 // IPv4 in host byte order.
 struct MvrAddress {
@@ -99,7 +102,9 @@ class MvrClient {
   Fd socket_;
   MvrAsking asking_;
   bool connected_ = false;
-  TimeNs moved_ns_;  // when the connection was opened, or bytes of the file came the last time
+  TimeNs moved_ns_;  // when the connection was opened, the file began, or kMvrSlowestBytes of it came the last time
+  std::uint64_t moved_bytes_ = 0;  // of the file, then
+  TimeNs file_ns_ = 0;             // when the file began
 };
 
 }  // namespace footlight::drivers

@@ -1,9 +1,39 @@
 #include "render/vk/memory.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
+#include <limits>
 
 namespace footlight::render::vk {
+namespace {
+
+// For tests: devices refuse more than FOOTLIGHT_REFUSE_MEMORY_MIB of the environment each.
+std::uint64_t refused_from_bytes() {
+  static const std::uint64_t kFrom = [] {
+    const char* const text = std::getenv("FOOTLIGHT_REFUSE_MEMORY_MIB");
+    return text == nullptr ? std::numeric_limits<std::uint64_t>::max() : std::strtoull(text, nullptr, 10) << 20;
+  }();
+  return kFrom;
+}
+
+double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1024 * 1024); }
+
+Status take_memory(const Device& device, const VkMemoryAllocateInfo& wanted, VkDeviceMemory& memory) {
+  const std::uint64_t used_bytes = device.memory_bytes();
+  const bool refused = used_bytes + wanted.allocationSize > refused_from_bytes();
+  const VkResult result =
+      refused ? VK_ERROR_OUT_OF_DEVICE_MEMORY : vkAllocateMemory(device.handle, &wanted, nullptr, &memory);
+  if (result != VK_ERROR_OUT_OF_DEVICE_MEMORY && result != VK_ERROR_OUT_OF_HOST_MEMORY) {
+    return check(result, "vkAllocateMemory");
+  }
+  return fail(ErrorCode::kIo,
+              "{} has no memory left: {:.1f} MiB more were refused beside the {:.1f} MiB that are used here; use a "
+              "smaller picture or fewer fixtures, or close other programs",
+              device.name(), mib(wanted.allocationSize), mib(used_bytes));
+}
+
+}  // namespace
 
 Result<Buffer> Buffer::make(Device& device, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
                             VkMemoryPropertyFlags flags, VkMemoryPropertyFlags fallback) {
@@ -29,7 +59,7 @@ Result<Buffer> Buffer::make(Device& device, VkDeviceSize size_bytes, VkBufferUsa
   VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
   allocate.allocationSize = requirements.size;
   allocate.memoryTypeIndex = *type;
-  FL_TRY(check(vkAllocateMemory(device.handle, &allocate, nullptr, &buffer.memory_), "vkAllocateMemory"));
+  FL_TRY(take_memory(device, allocate, buffer.memory_));
   buffer.taken_bytes_ = requirements.size;
   device.add_memory(requirements.size);
   FL_TRY(check(vkBindBufferMemory(device.handle, buffer.handle, buffer.memory_, 0), "vkBindBufferMemory"));
@@ -91,7 +121,7 @@ Result<Image> Image::create(Device& device, std::uint32_t width, std::uint32_t h
   VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
   allocate.allocationSize = requirements.size;
   allocate.memoryTypeIndex = type;
-  FL_TRY(check(vkAllocateMemory(device.handle, &allocate, nullptr, &image.memory_), "vkAllocateMemory"));
+  FL_TRY(take_memory(device, allocate, image.memory_));
   image.taken_bytes_ = requirements.size;
   device.add_memory(requirements.size);
   FL_TRY(check(vkBindImageMemory(device.handle, image.handle, image.memory_, 0), "vkBindImageMemory"));

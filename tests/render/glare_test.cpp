@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/glare.h"
+#include "render/memory_groups.h"
 #include "render/passes/glare.h"
 #include "render/passes/tonemap.h"
 #include "render/reference/glare_judge.h"
@@ -202,6 +203,19 @@ TEST_CASE("glare is the same in every picture, bit for bit, and leaves the light
   const ScreenImage screen = must(frame->read_screen());
   CHECK(first != plain.rgb);
   CHECK(frame->bytes() > plain_bytes);
+  const auto grouped = [&](const char* name) {  // all bytes are in one group each
+    std::uint64_t sum = 0;
+    std::uint64_t found = 0;
+    for (const MemoryGroup& group : memory_groups(*frame)) {
+      sum += group.bytes;
+      if (group.name == name) found = group.bytes;
+    }
+    CHECK(sum == frame->bytes());
+    return found;
+  };
+  CHECK(grouped("glare") == frame->bytes() - plain_bytes);
+  CHECK(grouped("lasers") == 0);
+  CHECK(grouped("light and screen") > 0);
   (void)seen_with(0.2, 64);
   CHECK(seen_with(0.05, 97) == first);
   CHECK(must(frame->read_screen()).rgba == screen.rgba);

@@ -219,24 +219,43 @@ TEST_CASE("a message to this station that drips ends its connection as one that 
   CHECK(desk.server->connection_count() == 0);
 }
 
-TEST_CASE("a file may take longer than an answer while its bytes come") {
+// A station that sends pieces of a file of 100 MB, one before each step. Returns the first error.
+Status receive_slowly(std::size_t piece_bytes, DurationNs every_ns, int pieces) {
   OddStation odd;
   MemorySink sink;
   const auto client = must(MvrClient::open("Odd", {kHere, odd.port}, request_of(""), kStartNs, &sink));
   const Fd kept = odd.accept();
   REQUIRE(!must(client->step(kStartNs)));
-  const auto head = build_mvr_header({0, 1, MvrPayload::kFile, 100});
+  const auto head = build_mvr_header({0, 1, MvrPayload::kFile, 100'000'000});
+  send_text(kept, std::string(head.begin(), head.end()));
   std::vector<pollfd> waiting;
-  for (int i = 1; i < 4; ++i) {
-    send_text(kept, (i == 1 ? std::string(head.begin(), head.end()) : "") + "1");
-    client->add_descriptors(waiting);
-    poll_some(waiting);
-    REQUIRE(!must(client->step(kStartNs + i * (kMvrSilenceNs - 1))));
-    CHECK(sink.bytes.size() == static_cast<std::size_t>(i));
+  for (int i = 1; i <= pieces; ++i) {
+    send_text(kept, std::string(piece_bytes, '1'));
+    while (sink.bytes.size() < static_cast<std::size_t>(i) * piece_bytes) {
+      client->add_descriptors(waiting);
+      poll_some(waiting);
+      FL_TRY(client->step(kStartNs + i * every_ns));
+    }
   }
-  const auto late = client->step(kStartNs + 4 * kMvrSilenceNs);
+  return {};
+}
+
+TEST_CASE("a file may take longer than an answer while its bytes come") {
+  CHECK(receive_slowly(kMvrSlowestBytes, kMvrSilenceNs - 1, 5));
+}
+
+TEST_CASE("bytes of a file that drip do not prolong the time for it") {
+  const Status late = receive_slowly(1, kMvrSilenceNs / 4, 10);
   REQUIRE(!late);
-  CHECK(late.error().message.find("more of the file") != std::string::npos);
+  CHECK(late.error().code == ErrorCode::kTimeout);
+  CHECK(late.error().message.find("less than 64 KiB more of the file within 15 s") != std::string::npos);
+}
+
+TEST_CASE("a file that is not whole after half an hour is left") {
+  const Status late = receive_slowly(kMvrSlowestBytes, 10 * kNsPerS, 200);
+  REQUIRE(!late);
+  CHECK(late.error().code == ErrorCode::kTimeout);
+  CHECK(late.error().message.find("not whole after 1800 s") != std::string::npos);
 }
 
 TEST_CASE("a port without a station is an error that names it") {

@@ -40,10 +40,13 @@ class Display {
     if (!number.empty()) name_ = ":" + number;
     ::close(ends[0]);
   }
-  ~Display() {
+  ~Display() { end(SIGTERM); }
+  // It goes away.
+  void end(int signal) {
     if (pid_ <= 0) return;
-    ::kill(pid_, SIGTERM);
+    ::kill(pid_, signal);
     ::waitpid(pid_, nullptr, 0);
+    pid_ = -1;
   }
   Display(const Display&) = delete;
   Display& operator=(const Display&) = delete;

@@ -114,5 +114,25 @@ TEST_CASE("holding pictures back leaves at most three flashes a second, and harm
   }
 }
 
+TEST_CASE("a watch that begins to hold pictures back counts the flashes that were shown before") {
+  FlashWatch warned(false);
+  FlashWatch fresh(false);
+  const auto lit = [](int i) { return i % 10 < 5 ? std::uint8_t{255} : std::uint8_t{0}; };
+  for (int i = 0; i < 35; ++i) {  // three flashes and a half
+    render::ScreenImage image = picture(0, lit(i), lit(i), lit(i));
+    warned.check(i * 20 * kNsPerMs, image);
+  }
+  warned.hold_from_here();
+  int held = 0;
+  int held_by_fresh = 0;
+  for (int i = 35; i < 45; ++i) {
+    const render::ScreenImage image = picture(0, lit(i), lit(i), lit(i));
+    held += warned.must_wait(i * 20 * kNsPerMs, image) ? 1 : 0;
+    held_by_fresh += fresh.must_wait(i * 20 * kNsPerMs, image) ? 1 : 0;
+  }
+  CHECK(held > 0);
+  CHECK(held_by_fresh == 0);
+}
+
 }  // namespace
 }  // namespace footlight::tools

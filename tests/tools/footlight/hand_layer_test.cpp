@@ -110,6 +110,22 @@ TEST_CASE("a fade begins at the level of the log, and other pages show the level
   CHECK(eventually([&] { return window.level(1, 1) == 100 && window.layer->held().held_count() == 1; }));
 }
 
+TEST_CASE("a fade that begins before the first turn of the window begins at the levels of the faders") {
+  WindowOf window;
+  const std::vector<Universe> edited{1, 2};
+  const std::vector<std::uint8_t> base(edited.size() * kSlotCountMax, 100);
+  CHECK(window.layer->rest_on("faders", edited, base).has_value());
+  CHECK(window.post("set\nover 3600000000000\n1.1=255") == 200);
+  std::vector<std::uint8_t> levels = base;
+  CHECK(eventually([&] {
+    levels = base;
+    window.layer->follow(edited, levels);
+    window.layer->overlay(edited, levels);
+    return window.layer->held().held_count() == 1;
+  }));
+  CHECK(levels[0] == 100);
+}
+
 TEST_CASE("a panel's value is over what is set by hand, and a blackout by hand is over the panel's value") {
   WindowOf window;
   CHECK(window.post("set\n1.6=9\n1.7=9") == 200);

@@ -103,6 +103,22 @@ TEST_CASE("without runs nothing is timed, and the bytes are the same") {
         std::set<std::string>{"gobos", "gloss", "haze", "lasers", "mirrors", "shafts", "displays", "strips", "bounce"});
   CHECK(row_of(rows, "gobo", false).bytes > 0);
   CHECK((text_of(rows, "beams").find("not timed") != std::string::npos));
+
+  // The same without a device.
+  const LeftOutPlan plan = plan_left_out({scene.rig, scene.compiled, scene.compiled.needs, options.settings});
+  REQUIRE(plan.rows.size() == rows.size());
+  std::uint64_t code_bytes = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    CAPTURE(rows[i].name);
+    CHECK(plan.rows[i].name == rows[i].name);
+    CHECK(plan.rows[i].bytes == rows[i].bytes);
+    CHECK(plan.rows[i].on_gpu == rows[i].on_gpu);
+    CHECK(plan.rows[i].code_bytes == rows[i].code_bytes);
+    CHECK((rows[i].code_bytes > 0) == rows[i].pass);
+    code_bytes += rows[i].code_bytes;
+  }
+  CHECK(plan.code_bytes == code_bytes);
+  CHECK(plan.used_code_bytes > plan.code_bytes);
 }
 
 TEST_CASE("measuring ends between two rows when go_on returns false") {

@@ -59,6 +59,28 @@ MonitorState nine_universes() {
   return state;
 }
 
+TEST_CASE("with a rig the slot that is chosen is explained, with its level, and marked among the numbers") {
+  const MonitorState state = nine_universes();
+  MonitorView view;
+  view.rows = 45;
+  view.columns = 160;
+  view.selected = 2;
+  view.slot = 511;
+  view.meaning = "Spot 7: Dimmer: 50.2 %";
+  CHECK(!contains(all(draw_monitor(state, view)), "Spot 7"));
+  view.explains = true;
+  CHECK(contains(all(draw_monitor(state, view)), " 2.512  128 (50 %)  Spot 7: Dimmer: 50.2 %"));
+  view.colour = true;
+  CHECK(contains(all(draw_monitor(state, view)), "\033[7m128\033[0m"));
+  view.meaning.clear();
+  CHECK(contains(all(draw_monitor(state, view)), "no fixture uses this slot"));
+  view.filter = "1-3";
+  view.selected = 9;  // is not shown: the first one is
+  REQUIRE(shown_universe(state, view) != nullptr);
+  CHECK(shown_universe(state, view)->universe == 1);
+  CHECK(shown_universe({}, view) == nullptr);
+}
+
 TEST_CASE("a picture has exactly as many lines as the screen, and none is wider") {
   const MonitorState full = nine_universes();
   const MonitorState empty;
@@ -69,6 +91,7 @@ TEST_CASE("a picture has exactly as many lines as the screen, and none is wider"
         view.rows = rows;
         view.columns = columns;
         view.selected = 2;
+        view.explains = true;
         const auto lines = draw_monitor(*state, view);
         CAPTURE(rows);
         CAPTURE(columns);
@@ -249,6 +272,7 @@ TEST_CASE("keys are decoded, also if their bytes arrive one by one") {
     return found;
   };
   CHECK(keys("\033[A\033OB\033[5~\033[6~") == std::vector{Key::kUp, Key::kDown, Key::kPageUp, Key::kPageDown});
+  CHECK(keys("\033[C\033OD") == std::vector{Key::kRight, Key::kLeft});
   CHECK(keys("\033") == std::vector{Key::kEscape});
   CHECK(keys("\r\x7F") == std::vector{Key::kEnter, Key::kBackspace});
   CHECK(keys("\xC3\xBC") == std::vector{Key::kText});

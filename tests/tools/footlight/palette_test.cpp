@@ -207,6 +207,52 @@ TEST_CASE("the menus of a window with recent rigs, a log and outputs fit beside 
   CHECK(last_px <= edge_px);
 }
 
+TEST_CASE("the File menu lists stations with their files, and asks for the one that is clicked") {
+  PaletteUi one;
+  ExchangeView exchange;
+  const UiPanels panels;
+  one.ui.more = [&] {
+    ImGui::SetNextWindowPos({400, 0});
+    ImGui::SetNextWindowSize({kPanelWidth, 200});
+    ImGui::Begin("panel", nullptr, ImGuiWindowFlags_MenuBar | ImGuiWindowFlags_NoTitleBar);
+    ImGui::BeginMenuBar();
+    (void)draw_menu(one.ui.desk, panels, false, nullptr, &exchange);
+    ImGui::EndMenuBar();
+    ImGui::End();
+  };
+  exchange.stations = {{"10.0.0.7:42424", "Desk", "grandMA3", "Default", true, "", {{"a", "old.mvr", "", 0}}},
+                       {"10.0.0.8:42424", "Other", "", "Default", false, "refused", {}}};
+  exchange.stations[0].files.push_back({"b", "new.mvr", "truss 2", 1'200'000});
+  one.ui.press(420, 10);  // File
+  CHECK(!exchange.looks);
+  for (float y = 20; y < 60 && !exchange.looks; y += 5) {  // the mouse over the first entry
+    ImGui::GetIO().MousePos = {430, y};
+    for (int i = 0; i < 30 && !exchange.looks; ++i) one.ui.frame();
+  }
+  REQUIRE(exchange.looks);
+  for (int i = 0; i < 3; ++i) one.ui.frame();
+  const std::string words = one.ui.words();
+  CHECK(contains(words, "Desk (grandMA3)"));
+  CHECK(contains(words, "does not answer"));
+  CHECK(words.find("new.mvr  1.2 MB  truss 2") < words.find("old.mvr"));  // the newest first
+  const ImVec2 entry = ImGui::GetIO().MousePos;
+  for (float x = 650; x > 20 && !exchange.receive; x -= 90) {  // the list is beside the menu, to its left or right
+    for (float y = 10; y < 120 && !exchange.receive; y += 6) {
+      one.ui.press(x, y);
+      if (exchange.receive || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) {
+        continue;
+      }
+      one.ui.press(420, 10);
+      ImGui::GetIO().MousePos = entry;
+      for (int i = 0; i < 30; ++i) one.ui.frame();
+    }
+  }
+  REQUIRE(exchange.receive);
+  CHECK(exchange.receive->address == "10.0.0.7:42424");
+  CHECK((exchange.receive->uuid == "a" || exchange.receive->uuid == "b"));
+  CHECK(!exchange.receive->name.empty());
+}
+
 TEST_CASE("Ctrl+P is the key of the palette") {
   const auto rows = key_rows();
   const auto row = std::find_if(rows.begin(), rows.end(),

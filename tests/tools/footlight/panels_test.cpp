@@ -10,6 +10,7 @@
 #include <imgui/imgui.h>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include "tests/tools/footlight/panels_test_imgui.h"
 #include "tests/tools/footlight/ui_rigs.h"
@@ -153,6 +154,59 @@ TEST_CASE("a slot of the grid says which pixel of which display it belongs to") 
     return words.find("Wall: column") != std::string::npos;
   });
   CHECK_MESSAGE(words.find("Wall: column") != std::string::npos, words);
+}
+
+// Two profiles in each of so many universes.
+UiRig many_universes(int count) {
+  fixtures::Rig rig = parsed_rig(kUiRig);
+  const fixtures::PatchedFixture first = rig.fixtures[0];
+  rig.fixtures.clear();
+  for (int i = 0; i < 2 * count; ++i) {
+    fixtures::PatchedFixture one = first;
+    one.name = fmt::format("Spot {}", i + 1);
+    one.universe = 1 + i / 2;
+    one.address = 1 + i % 2 * 100;
+    rig.fixtures.push_back(std::move(one));
+  }
+  return compiled_rig(std::move(rig));
+}
+
+TEST_CASE("nine universes are shown at once by pages, and a click shows one of them alone") {
+  const auto rig = many_universes(11);
+  HeadlessUi ui(rig);
+  ui.show(kUniverses);
+  // The panel is at the lower left corner; its first line has the box.
+  const auto has = [&](std::string_view part) {
+    ImGui::GetIO().MousePos = {1000, 100};  // words behind a tip are not in the log
+    return ui.words().find(part) != std::string::npos;
+  };
+  REQUIRE(has("{ universe 1 }"));
+  CHECK(!has("universe 9: "));
+  const ImVec2 box = [&] {
+    for (float y = 410; y < 450; y += 8) {
+      for (float x = 560; x > 430; x -= 10) {
+        ui.click(x, y);
+        if (has("[x] nine at once")) return ImVec2(x, y);
+      }
+    }
+    return ImVec2(-1, -1);
+  }();
+  REQUIRE(box.x > 0);
+  CHECK(has("universe 1: 0 not 0"));
+  CHECK(has("universe 9: "));
+  CHECK(!has("universe 10: "));
+  ui.levels[4 * kSlotCountMax] = 9;
+  CHECK(has("universe 5: 1 not 0"));
+  // In the middle of the fifth map.
+  ui.click(8 + 830 / 2, 585);
+  CHECK(has("{ universe 5 }"));
+  CHECK(!has("universe 9: "));
+  ui.click(box.x, box.y);
+  CHECK(has("universe 9: "));
+  // The second page has the others.
+  for (float x = 150; x < 200 && !has("universe 11: "); x += 8) ui.click(x, box.y);
+  CHECK(has("universe 11: 0 not 0"));
+  CHECK(!has("universe 9: "));
 }
 
 TEST_CASE("levels are drawn as bars, until the grid is frozen") {

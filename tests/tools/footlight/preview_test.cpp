@@ -1,5 +1,6 @@
 // The window as users see it. Runs under Xvfb if that and a Vulkan device are installed; else it is skipped with a
 // message.
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/headless_vulkan.h"
+#include "tests/tools/footlight/display.h"
 #include "tests/tools/footlight/one_par.h"
 #include "tests/tools/footlight/run_footlight.h"
 
@@ -163,12 +165,50 @@ TEST_CASE("a rig without input opens with its fixtures lit") {
   CHECK(summary(folder)["validation_messages"] == 0);
 }
 
+TEST_CASE("an X server that goes away ends the window with a message, and its recording is whole") {
+  if (!can_open_window()) return;
+  const TempFolder folder;
+  std::ofstream(folder.file("rig.toml")) << kOnePar;
+  Display display(320, 200);
+  REQUIRE(!display.name().empty());
+  Footlight window(
+      {"preview", folder.file("rig.toml"), "--size", "160x90", "--json", "--record", folder.file("kept.dmxlog")},
+      {{"DISPLAY", display.name()},
+       {"WAYLAND_DISPLAY", ""},
+       {"XDG_STATE_HOME", folder.file("state")},
+       {"ASAN_OPTIONS", "detect_leaks=0"}});
+  window.wait_for("\"event\":\"frames\"");
+  display.end(SIGKILL);
+  const Outcome outcome = window.wait();
+  if (contains(outcome.err, "libglfw3-dev")) return;
+  INFO(outcome.err);
+  CHECK(outcome.exit_code == 1);
+  CHECK(contains(outcome.err, "the window's display has gone"));
+  CHECK(!std::filesystem::exists(folder.file("kept.dmxlog.part")));
+  CHECK(footlight({"log", "info", folder.file("kept.dmxlog")}).exit_code == 0);
+}
+
+TEST_CASE("a device that refuses memory ends a picture with a message that says how much it refused") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  const Outcome outcome = Footlight({"render", "--demo", "--at", "1s", "-o", folder.file("a.png")},
+                                    {{"FOOTLIGHT_REFUSE_MEMORY_MIB", "1"}, {"ASAN_OPTIONS", "detect_leaks=0"}})
+                              .wait();
+  INFO(outcome.err);
+  CHECK(outcome.exit_code == 1);
+  CHECK(contains(outcome.err, "has no memory left"));
+  CHECK(contains(outcome.err, "MiB more were refused"));
+  CHECK(!std::filesystem::exists(folder.file("a.png")));
+}
+
 TEST_CASE("all panels draw in a small window, and the picture keeps its size") {
   if (!can_open_window()) return;
   const TempFolder folder;
   std::ofstream(folder.file("rig.toml")) << kOnePar;
   const std::string line = folder.file("rig.toml") + " --seconds 1 --size 640x360 --json --screenshot ";
-  const std::string all = " --panels universes,fixtures,inspector,timeline,devices,library,messages,keys --select Par";
+  const std::string all =
+      " --panels universes,fixtures,inspector,timeline,devices,library,messages,report,keys --select Par";
   const int code = preview(folder, line + folder.file("a.png") + all);
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;

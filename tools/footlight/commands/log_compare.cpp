@@ -8,9 +8,7 @@
 #include "tools/footlight/commands/log_command.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/monitor/level_moment.h"
-#include "tools/footlight/pictures/scene_files.h"
-#include "tools/footlight/preview/ui/rig_index.h"
-#include "tools/footlight/preview/ui/slot_names.h"
+#include "tools/footlight/monitor/slot_meanings.h"
 #include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
@@ -27,37 +25,7 @@ struct CompareArguments {
   bool json = false;
 };
 
-// The names of slots; without a rig there are none.
-class Names {
- public:
-  static Result<Names> of(const std::string& path) {
-    Names names;
-    if (path.empty()) return names;
-    SceneFiles files;
-    files.rig = path;
-    names.rig_ = std::make_unique<fixtures::Rig>();
-    FL_ASSIGN(*names.rig_, load_scene_rig(files));
-    FL_ASSIGN(fixtures::CompiledRig compiled, fixtures::compile(*names.rig_));
-    names.compiled_ = std::make_unique<fixtures::CompiledRig>(std::move(compiled));
-    names.index_ = std::make_unique<RigIndex>(*names.rig_, *names.compiled_);
-    return names;
-  }
-  [[nodiscard]] std::vector<SlotName> of_slot(Universe universe, Address address) const {
-    if (!rig_) return {};
-    const auto& all = compiled_->universes;
-    const auto at = std::lower_bound(all.begin(), all.end(), universe);
-    if (at == all.end() || *at != universe) return {};
-    return names_of_slot(*rig_, *compiled_, *index_, static_cast<std::size_t>(at - all.begin()),
-                         static_cast<std::size_t>(slot_of_address(address)));
-  }
-
- private:
-  std::unique_ptr<fixtures::Rig> rig_;
-  std::unique_ptr<fixtures::CompiledRig> compiled_;
-  std::unique_ptr<RigIndex> index_;
-};
-
-void print_text(const CompareArguments& arguments, const MomentDifference& difference, const Names& names) {
+void print_text(const CompareArguments& arguments, const MomentDifference& difference, const SlotMeanings& names) {
   fmt::print("A: {} at {}\nB: {} at {}\n", printable_utf8(arguments.a), show_duration(arguments.at_ns),
              printable_utf8(arguments.b), show_duration(arguments.with_ns));
   auto slot = difference.slots.begin();
@@ -77,7 +45,7 @@ void print_text(const CompareArguments& arguments, const MomentDifference& diffe
   fmt::print("{}\n", difference.equal() ? "equal" : "different");
 }
 
-void print_json(const CompareArguments& arguments, const MomentDifference& difference, const Names& names) {
+void print_json(const CompareArguments& arguments, const MomentDifference& difference, const SlotMeanings& names) {
   using Json = nlohmann::ordered_json;
   Json universes = Json::array();
   for (const MomentDifference::Count& one : difference.universes) {
@@ -116,7 +84,7 @@ Result<int> compare(CompareArguments arguments) {
   if (arguments.b.empty()) arguments.b = arguments.a;
   if (arguments.with_ns < 0) arguments.with_ns = arguments.at_ns;
   FL_ASSIGN(const drivers::CaptureOptions read, arguments.read.read());
-  FL_ASSIGN(const Names names, Names::of(arguments.rig));
+  FL_ASSIGN(const SlotMeanings names, SlotMeanings::of(arguments.rig));
   FL_ASSIGN(LogReader reader, read_input(arguments.a, read, arguments.read));
   FL_ASSIGN(const LevelMoment a, moment_of(reader, arguments.at_ns));
   if (arguments.b != arguments.a) {

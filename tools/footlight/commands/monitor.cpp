@@ -17,6 +17,7 @@
 #include "tools/footlight/command.h"
 #include "tools/footlight/monitor/monitor_state.h"
 #include "tools/footlight/monitor/monitor_view.h"
+#include "tools/footlight/monitor/slot_meanings.h"
 #include "tools/footlight/monitor/terminal.h"
 #include "tools/footlight/status/status_pages.h"
 #include "tools/footlight/status/status_text.h"
@@ -29,6 +30,8 @@ struct Options {
   std::vector<std::string> ins;    // more of them
   std::string socket;
   std::string filter;
+  std::string rig;  // that explains slots; empty: none
+  Address slot = 1;
   int columns = 0;
   int rows = 0;
   DurationNs period_ns = 0;
@@ -185,6 +188,19 @@ void step_to(MonitorState& state, MonitorView& view, int by) {
   view.selected = shown[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(index + by, 0, last))];
 }
 
+// What the slot of the view is for, with its value.
+void explain(const SlotMeanings& meanings, const MonitorState& state, MonitorView& view) {
+  const MonitorUniverse* const universe = shown_universe(state, view);
+  view.meaning.clear();
+  if (!view.explains || universe == nullptr) return;
+  LevelMoment now;
+  for (const MonitorUniverse& one : state.universes) {
+    now.universes.push_back(one.universe);
+    now.levels.insert(now.levels.end(), one.levels.begin(), one.levels.end());
+  }
+  view.meaning = printable_utf8(meanings.words(universe->universe, static_cast<Address>(view.slot + 1), now));
+}
+
 // Handles a key. False: quit.
 bool press(Key key, const std::string& typed, MonitorState& state, MonitorView& view) {
   if (view.typing) {
@@ -201,6 +217,8 @@ bool press(Key key, const std::string& typed, MonitorState& state, MonitorView& 
   switch (key) {
     case Key::kUp: step_to(state, view, -1); break;
     case Key::kDown: step_to(state, view, 1); break;
+    case Key::kLeft: view.slot = std::max(view.slot - 1, 0); break;
+    case Key::kRight: view.slot = std::min(view.slot + 1, kSlotCountMax - 1); break;
     case Key::kPageUp: step_to(state, view, -10); break;
     case Key::kPageDown: step_to(state, view, 10); break;
     case Key::kEscape: view.filter.clear(); break;
@@ -218,7 +236,8 @@ bool press(Key key, const std::string& typed, MonitorState& state, MonitorView& 
   return true;
 }
 
-Result<int> draw(const Options& options, Clock& clock, Watcher& watcher, MonitorState& state, MonitorView& view) {
+Result<int> draw(const Options& options, Clock& clock, Watcher& watcher, const SlotMeanings& meanings,
+                 MonitorState& state, MonitorView& view) {
   FL_ASSIGN(const std::unique_ptr<Terminal> terminal, Terminal::take());
   const char* const no_colour = std::getenv("NO_COLOR");  // https://no-color.org
   view.colour = no_colour == nullptr || *no_colour == '\0';
@@ -233,6 +252,7 @@ Result<int> draw(const Options& options, Clock& clock, Watcher& watcher, Monitor
     const TerminalSize size = terminal->size();
     view.columns = size.columns;
     view.rows = size.rows;
+    explain(meanings, state, view);
     terminal->show(draw_monitor(state, view));
     const Key key = terminal->wait_for_key(std::max<DurationNs>(std::min(next_ns, end_ns) - clock.now_ns(), 0));
     if (!press(key, terminal->typed(), state, view)) break;
@@ -241,7 +261,8 @@ Result<int> draw(const Options& options, Clock& clock, Watcher& watcher, Monitor
 }
 
 // Prints one object or one picture per period on standard output.
-Result<int> print(const Options& options, Clock& clock, Watcher& watcher, MonitorState& state, MonitorView& view) {
+Result<int> print(const Options& options, Clock& clock, Watcher& watcher, const SlotMeanings& meanings,
+                  MonitorState& state, MonitorView& view) {
   catch_end_signals();
   const DurationNs period_ns = options.period_ns != 0 ? options.period_ns : kPeriodJsonNs;
   TimeNs next_ns = clock.now_ns();
@@ -261,6 +282,7 @@ Result<int> print(const Options& options, Clock& clock, Watcher& watcher, Monito
     if (options.json) {
       std::fputs((json_of_monitor(state, utc_text(wall_clock_unix_ns(), 6)) + "\n").c_str(), stdout);
     } else {
+      explain(meanings, state, view);
       for (const std::string& line : draw_monitor(state, view)) std::fputs((line + "\n").c_str(), stdout);
     }
     if (std::fflush(stdout) != 0 || options.once || next_ns >= end_ns) return kExitOk;
@@ -270,16 +292,19 @@ Result<int> print(const Options& options, Clock& clock, Watcher& watcher, Monito
 
 Result<int> monitor(const Options& options) {
   SystemClock clock;
+  FL_ASSIGN(const SlotMeanings meanings, SlotMeanings::of(options.rig));
   FL_ASSIGN(const std::unique_ptr<Feed> feed, open_feed(options, clock));
   MonitorState state;
   MonitorView view;
   view.filter = options.filter;
   view.columns = options.columns;
   view.rows = options.rows;
+  view.explains = meanings.has_rig();
+  view.slot = options.slot - 1;
   Watcher watcher(*feed, clock, state);
   if (options.json && !state.note.empty()) fmt::print(stderr, "footlight: {}\n", printable_line(state.note));
-  if (options.json || options.once) return print(options, clock, watcher, state, view);
-  return draw(options, clock, watcher, state, view);
+  if (options.json || options.once) return print(options, clock, watcher, meanings, state, view);
+  return draw(options, clock, watcher, meanings, state, view);
 }
 
 void add(Arguments& arguments) {
@@ -290,6 +315,8 @@ void add(Arguments& arguments) {
   arguments.list("--in,-i", options->ins, "ENDPOINT", "the same, as for 'footlight run'");
   arguments.option("--socket", options->socket, "FILE", "the socket of the bridge, if several run");
   arguments.option("--filter", options->filter, "TEXT", "universes (1-9), or a part of a sender's name");
+  arguments.option("--rig", options->rig, "FILE", "a rig that says what a slot is for; left and right choose the slot");
+  arguments.option("--slot", options->slot, 1, kSlotCountMax, "the slot that is explained at the start");
   arguments.duration("--period", options->period_ns, "update period; default: 100ms on a terminal, else 1s");
   arguments.duration("--for", options->run_for_ns, "end after this time");
   arguments.flag("--wait-for-device", options->wait_for_device, "start even if a device is not plugged in yet");
@@ -314,6 +341,7 @@ extern const CommandInfo monitor_command{
         "  footlight monitor                          the 'footlight run' of this machine, inputs and outputs\n"
         "  footlight monitor sacn:1-9 --json --period 200ms\n"
         "  footlight monitor --once --columns 120     one picture, as text\n"
+        "  footlight monitor sacn:1-9 --rig rig.toml  with fixture, attribute and value of a slot\n"
         "Up and down select the universe that is shown in full, space pauses, / filters, q quits.\n"
         "Changes of the last second are bright; NO_COLOR=1 turns colours off.",
     .add = add,

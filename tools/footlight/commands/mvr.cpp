@@ -17,6 +17,7 @@
 #include "sim/file_kind.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/mvr/mvr_exchange.h"
 #include "tools/footlight/mvr/mvr_lines.h"
 #include "tools/footlight/mvr/received_file.h"
 #include "tools/footlight/mvr/shared_file.h"
@@ -50,23 +51,6 @@ struct Options {
   bool json = false;
   bool overwrite = false;
 };
-
-std::string host_name() {
-  std::array<char, 256> name = {};
-  if (::gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "this machine";
-  return name.data();
-}
-
-// `part`: empty where a file is shared. The UUID is the same after every start. The parts of one machine have different
-// ones: a list that ends must not end the membership of a file that is shared.
-MvrStation own_station(const Options& options, const char* part) {
-  const std::string own = fmt::format("Footlight{}{} on {}", *part == '\0' ? "" : " ", part, host_name());
-  const std::string name = options.name.empty() ? own : options.name;
-  drivers::SacnSinkOptions digest;
-  digest.source_name = name;
-  digest.name = std::string("mvr-xchange ") + part;
-  return {name, uuid_text(drivers::sacn_cid_of(digest))};
-}
 
 Result<std::vector<MvrAddress>> addresses_of(const Options& options) {
   std::vector<MvrAddress> addresses;
@@ -145,7 +129,7 @@ template <class Then>
 Result<int> among_stations(const Options& options, const char* role, Then then) {
   FL_ASSIGN(const auto addresses, addresses_of(options));
   FL_ASSIGN(const auto discovery, open_discovery(options));
-  MvrStation self = own_station(options, role);
+  MvrStation self = own_mvr_station(options.name, role);
   MvrGroup group(self, discovery.get(), options.group, addresses);
   SystemClock clock;
   StopSignal signal;
@@ -342,7 +326,7 @@ class Part {
   Part(const Options& options, const char* name, std::optional<SharedFile> file)
       : options_(options),
         group_name_(options.group.empty() ? std::string(drivers::kMvrGroupDefault) : options.group),
-        self_(own_station(options, name)),
+        self_(own_mvr_station(options.name, name)),
         file_(std::move(file)),
         news_(options.json) {
     if (file_) self_.offer(file_->first().commit, file_->first().bytes);

@@ -208,6 +208,16 @@ std::string sender_line(const MonitorSender& sender, const MonitorView& view) {
 // 16 rows of numbers if they fit, else 8 rows of blocks.
 bool numbers_fit(const MonitorView& view) { return view.columns >= 5 + 4 * kNumbersPerRow && view.rows >= 40; }
 
+// The slot that is explained, with its level.
+std::string meaning_line(const MonitorUniverse& universe, const MonitorView& view) {
+  Line line(view);
+  const std::uint8_t level = universe.levels[static_cast<std::size_t>(view.slot)];
+  line.add(fmt::format(" {}.{} ", universe.universe, view.slot + 1), kBar);
+  line.add(fmt::format(" {} ({:.0f} %)  ", level, level / 2.55));
+  line.add(view.meaning.empty() ? "no fixture uses this slot" : view.meaning, view.meaning.empty() ? kDim : kBold);
+  return line.take();
+}
+
 std::string grid_line(const MonitorUniverse& universe, const MonitorState& state, const MonitorView& view, int row) {
   Line line(view);
   const bool numbers = numbers_fit(view);
@@ -221,9 +231,11 @@ std::string grid_line(const MonitorUniverse& universe, const MonitorState& state
   for (int i = begin; i < begin + per_row; ++i) {
     const auto slot = static_cast<std::size_t>(i);
     const bool changed = universe.heat(slot, state.now_ns) > 0;
-    line.add(fmt::format("{:>3} ", universe.levels[slot]), changed                      ? kChanged
-                                                           : universe.levels[slot] == 0 ? kDim
-                                                                                        : std::string_view{});
+    const std::string_view style = view.explains && i == view.slot ? kBar
+                                   : changed                       ? kChanged
+                                   : universe.levels[slot] == 0    ? kDim
+                                                                   : std::string_view{};
+    line.add(fmt::format("{:>3}", universe.levels[slot]), style).add(" ");
   }
   return line.take();
 }
@@ -235,7 +247,9 @@ std::string footer(const MonitorState& state, const MonitorView& view) {
   } else if (view.typing) {
     line.add(fmt::format(" filter: {}_   Enter: done   Esc: all", view.filter), kBar);
   } else {
-    line.add(" up/down: universe   space: pause   /: filter   q: quit", kDim);
+    line.add(view.explains ? " up/down: universe   left/right: slot   space: pause   /: filter   q: quit"
+                           : " up/down: universe   space: pause   /: filter   q: quit",
+             kDim);
     if (!view.filter.empty()) line.add(fmt::format("   filter: {}", view.filter), kWarn);
   }
   return line.take();
@@ -283,6 +297,16 @@ std::vector<Universe> shown_universes(const MonitorState& state, std::string_vie
   return shown;
 }
 
+const MonitorUniverse* shown_universe(const MonitorState& state, const MonitorView& view) {
+  const std::vector<Universe> shown = shown_universes(state, view.filter);
+  if (shown.empty()) return nullptr;
+  const bool is_shown = std::find(shown.begin(), shown.end(), view.selected) != shown.end();
+  const Universe number = is_shown ? view.selected : shown.front();
+  const auto at = std::find_if(state.universes.begin(), state.universes.end(),
+                               [&](const MonitorUniverse& one) { return one.universe == number; });
+  return at == state.universes.end() ? nullptr : &*at;
+}
+
 std::vector<std::string> draw_monitor(const MonitorState& state, const MonitorView& view) {
   const auto rows = static_cast<std::size_t>(std::max(view.rows, 1));
   std::vector<const MonitorUniverse*> shown;
@@ -314,6 +338,7 @@ std::vector<std::string> draw_monitor(const MonitorState& state, const MonitorVi
     if (rows >= 14) {
       for (int row = 0; row < grid_rows; ++row) below.push_back(grid_line(universe, state, view, row));
     }
+    if (view.explains && rows >= 6) below.push_back(meaning_line(universe, view));
   }
   if (!state.note.empty() && rows >= 10) {
     Line note(view);

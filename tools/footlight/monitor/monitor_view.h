@@ -18,8 +18,14 @@ struct MonitorView {
   bool typing = false;    // the filter is being typed
   bool paused = false;
   bool colour = false;  // true: SGR sequences; false: plain text
+  // The slot of the selected universe that is explained, while there is a rig: 0 to 511.
+  bool explains = false;
+  int slot = 0;
+  std::string meaning;  // of it; empty: nothing uses it
 };
 
+// The universe that is shown in full; nullptr: there is none.
+[[nodiscard]] const MonitorUniverse* shown_universe(const MonitorState& state, const MonitorView& view);
 // Universes that pass the filter, ascending.
 [[nodiscard]] std::vector<Universe> shown_universes(const MonitorState& state, std::string_view filter);
 

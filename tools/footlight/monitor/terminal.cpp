@@ -115,6 +115,8 @@ Key take_key(std::string& bytes, std::string& typed, bool more_may_come) {
   const std::string sequence = take(end + 1);
   if (sequence.back() == 'A') return Key::kUp;
   if (sequence.back() == 'B') return Key::kDown;
+  if (sequence.back() == 'C') return Key::kRight;
+  if (sequence.back() == 'D') return Key::kLeft;
   if (sequence == "\033[5~") return Key::kPageUp;
   if (sequence == "\033[6~") return Key::kPageDown;
   return Key::kNone;

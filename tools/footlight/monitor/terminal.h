@@ -25,6 +25,8 @@ enum class Key {
   kBackspace,
   kUp,
   kDown,
+  kLeft,
+  kRight,
   kPageUp,
   kPageDown,
 };

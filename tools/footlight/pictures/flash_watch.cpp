@@ -93,6 +93,11 @@ bool FlashWatch::must_wait(DurationNs at_ns, const render::ScreenImage& picture)
   return false;
 }
 
+void FlashWatch::hold_from_here() {
+  guard_ = input_;
+  shown_ = tiles_;
+}
+
 bool FlashWatch::check(DurationNs at_ns, render::ScreenImage& picture) {
   const bool begins = note(at_ns, picture);
   if (limit_) {

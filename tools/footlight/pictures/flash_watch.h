@@ -36,6 +36,9 @@ class FlashWatch {
   // The same for a caller that cannot darken a picture but can hold the last one. True: do not show this one now.
   bool must_wait(DurationNs at_ns, const render::ScreenImage& picture);
 
+  // From now on must_wait() is called, where pictures were shown as check() has seen them.
+  void hold_from_here();
+
   [[nodiscard]] bool harmful() const { return harmful_; }  // of the input pictures, now
   // So far; the last one may continue.
   [[nodiscard]] const std::vector<FlashStretch>& stretches() const { return stretches_; }

@@ -136,7 +136,14 @@ void HandLayer::enter(Pump& pump) {
   show_pages(pump);
 }
 
-Status HandLayer::rest_on(std::string name, std::span<const Universe> universes) {
+// Returns when the pump's thread has begun another turn, and ended the one before.
+void HandLayer::finish_turn(Pump& pump) {
+  const auto done = std::make_shared<std::promise<void>>();  // set_value() may still run after the wait
+  pump.call([done] { done->set_value(); });
+  done->get_future().wait();
+}
+
+Status HandLayer::rest_on(std::string name, std::span<const Universe> universes, std::span<const std::uint8_t> levels) {
   const bool same = own_ != nullptr && feed_->name() == name &&
                     std::equal(universes.begin(), universes.end(), fed_.begin(), fed_.end());
   if (same) return {};
@@ -145,9 +152,13 @@ Status HandLayer::rest_on(std::string name, std::span<const Universe> universes)
   auto feed = std::make_unique<BaseFeed>(std::move(name), universes);
   feed_ = feed.get();
   fed_.assign(universes.begin(), universes.end());
+  const bool known = levels.size() == universes.size() * kSlotCountMax;
+  if (known && feed->give(clock_.now_ns(), levels)) feed->hurry();
   std::vector<std::unique_ptr<Source>> sources;
   sources.push_back(std::move(feed));
   FL_ASSIGN(own_, LiveLevels::start(universes, std::move(sources), clock_));
+  // A job of a turn comes before its frames: after the second one those of the first turn are merged.
+  for (int turn = 0; known && turn < 2; ++turn) finish_turn(own_->pump());
   enter(own_->pump());
   return {};
 }

@@ -74,9 +74,10 @@ class HandLayer {
   HandLayer& operator=(const HandLayer&) = delete;
 
   // What drives the rig from now on. What is set stays, but for universes that are gone. `live` must not end before
-  // leave(). Without universes the layer has no pump: commands are refused until the next call.
+  // leave(). Without universes the layer has no pump: commands are refused until the next call. levels: of the log or
+  // the faders, from which a fade begins; empty: not known before the next follow(), and 0 until then.
   void join(LiveLevels& live);
-  Status rest_on(std::string name, std::span<const Universe> universes);
+  Status rest_on(std::string name, std::span<const Universe> universes, std::span<const std::uint8_t> levels = {});
   void leave();
 
   // Ports that speak to link(), such as OSC and MIDI. They stay whatever drives the rig.
@@ -110,6 +111,7 @@ class HandLayer {
   [[nodiscard]] Status listen(const std::string& socket);
   [[nodiscard]] HttpAnswer answer(const HttpRequest& request);
   void enter(Pump& pump);
+  static void finish_turn(Pump& pump);
   void show_pages(Pump& pump);
   [[nodiscard]] std::vector<Source*> ports() const;
   void note(std::string text);

@@ -41,6 +41,11 @@ void PreviewFlashes::record_read(VkCommandBuffer commands, VkImage picture, int 
   render::vk::host_barrier(commands);
 }
 
+void PreviewFlashes::set_limits(bool limit) {
+  if (limit && !limit_) watch_.hold_from_here();
+  limit_ = limit;
+}
+
 render::ScreenImage PreviewFlashes::small() const {
   render::ScreenImage image{kSmallWidth, kSmallHeight, {}};
   image.rgba.resize(static_cast<std::size_t>(kSmallBytes));

@@ -20,6 +20,8 @@ class PreviewFlashes {
   [[nodiscard]] static Result<std::unique_ptr<PreviewFlashes>> make(render::vk::Device& device, bool limit);
 
   [[nodiscard]] bool limits() const { return limit_; }
+  // Flashes that were shown before count.
+  void set_limits(bool limit);
   // Adds the reading of a picture, in VK_IMAGE_LAYOUT_GENERAL, to commands that have drawn it.
   void record_read(VkCommandBuffer commands, VkImage picture, int width, int height);
   // Call when those commands are done. True: a period of harmful flashes begins with this picture.

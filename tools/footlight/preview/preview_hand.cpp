@@ -40,7 +40,10 @@ Status Preview::open_hand() {
 // A log or faders drive the rig.
 Status Preview::rest_hand() {
   const std::string log = options_.files.log.empty() ? "demo" : "log:" + options_.files.log;
-  return layer_->rest_on(player_ ? log : "faders", framed_->compiled.universes);
+  return layer_->rest_on(player_ ? log : "faders", framed_->compiled.universes,
+                         hand_     ? hand_->levels()
+                         : player_ ? player_->levels()
+                                   : std::span<const std::uint8_t>());
 }
 
 // Every turn: the newest of what is held, and what there is to say. A blackout by hand reaches lamps also while the

@@ -60,8 +60,9 @@ void Preview::draw_ui(DurationNs dt_ns) {
   };
   begin_gesture([](ImGuiMouseButton button) { return ImGui::IsMouseClicked(button); });
   std::optional<UiCall> chosen;
-  draw_panel(facts_, controls_, shown_levels(), hand_.get(), window_->ui_scale(),
-             [&] { chosen = draw_menu(*desk_, panels_, player_ != nullptr, outputs_ ? &outputs_view_ : nullptr); });
+  draw_panel(facts_, controls_, shown_levels(), hand_.get(), window_->ui_scale(), [&] {
+    chosen = draw_menu(*desk_, panels_, player_ != nullptr, outputs_ ? &outputs_view_ : nullptr, &exchange_view_);
+  });
   if (const Exposure shown{controls_.exposure_ev, controls_.auto_exposure}; shown != desk_->state().exposure) {
     desk_->set_exposure(shown);
   }
@@ -77,6 +78,8 @@ void Preview::draw_ui(DurationNs dt_ns) {
     input.outputs = &outputs_view_;
     input.inputs = &inputs_view_;
     input.messages = &messages_;
+    input.report = &report_;
+    input.pictures = &pictures_;
     input.now_ns = clock_.now_ns();
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
@@ -109,6 +112,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
   if (recording_) draw_recording_mark(recording_->elapsed_ns(), window_->ui_scale());
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
   window_->end_ui();
+  pictures_.step();
   ui_times_.add(static_cast<double>(clock_.now_ns() - begun_ns) * 1e-6);
 }
 

@@ -15,6 +15,7 @@
 #include "tools/footlight/command.h"
 #include "tools/footlight/paths.h"
 #include "tools/footlight/pictures/start_view.h"
+#include "tools/footlight/preview/display_loss.h"
 #include "tools/footlight/preview/preview_window.h"
 
 namespace footlight::tools {
@@ -181,6 +182,11 @@ Result<bool> Preview::open(const StopSignal& signal) {
 Result<bool> Preview::wait_for(std::future<Status>& work, const StopSignal& signal, const char* what) {
   while (work.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
     window_->poll(kProgressS);
+    if (const Status display = check_display(); !display) {
+      closed_ = true;
+      (void)work.get();
+      return tl::unexpected(display.error());
+    }
     if (signal.came() || window_->wants_close()) {
       window_->hide();
       closed_ = true;

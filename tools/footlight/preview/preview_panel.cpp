@@ -10,6 +10,7 @@
 
 #include <imgui/imgui.h>
 
+#include "tools/footlight/preview/ui/report_view.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 
 namespace footlight::tools {
@@ -34,9 +35,6 @@ void heading(const char* word) {
   ImGui::Separator();
   ui_text(kUiAmber, word);
 }
-
-// About three digits.
-std::string ms_text(double ms) { return fmt::format("{:.{}f} ms", ms, ms < 10 ? 2 : ms < 100 ? 1 : 0); }
 
 // A pass: its name, a bar of its share of the longest, its time.
 void pass_bar(const render::PassTime& pass, double longest_ms) {
@@ -74,12 +72,6 @@ void draw_cost(const PreviewFacts& facts) {
   }
   row("panels", ms_text(facts.ui_ms));
   row("picture", fmt::format("{} x {}, {:.0f} MiB", facts.width, facts.height, std::ceil(facts.gpu_mib)));
-}
-
-// "0.032 %"
-std::string share_text(double share) {
-  const double percent = 100 * share;
-  return fmt::format("{:.{}f} %", percent, percent < 0.01 ? 4 : percent < 0.1 ? 3 : percent < 10 ? 2 : 0);
 }
 
 // What the knobs are chosen for. A new choice may compile shaders, so it is made at the release of the slider.

@@ -12,6 +12,9 @@
 
 namespace footlight::tools {
 
+// The window may hang for longer than outputs wait.
+const char* const kArmedUnmeasured = "this machine is not measured yet, and outputs are armed: disarm them first";
+
 void Preview::take_picture_requests() {
   if (const auto haze = std::exchange(controls_.haze_per_m, std::nullopt)) {
     picture_haze_per_m_ = *haze;
@@ -34,8 +37,12 @@ Status Preview::follow_flashes() {
   const FlashMode mode = desk_->flashes();
   const bool limits = mode == FlashMode::kLimit;
   if (mode == FlashMode::kOff ? !flashes_ : flashes_ && flashes_->limits() == limits) return {};
-  flashes_.reset();
   facts_.flashes_harmful = facts_.flashes_held = false;
+  if (flashes_ && mode != FlashMode::kOff) {
+    flashes_->set_limits(limits);
+    return {};
+  }
+  flashes_.reset();
   if (mode == FlashMode::kOff) return {};
   FL_ASSIGN(flashes_, PreviewFlashes::make(*device_, limits));
   return {};
@@ -70,13 +77,12 @@ void Preview::ask_for_quality(const render::QualityRequest& request) {
   if (asks && !curves_) {
     curves_ = read_knob_curves(knob_curves_path(cache_folder(), device_->facts()), device_->facts(), curves_program());
   }
-  if (asks && !curves_ && outputs_ && outputs_view_.any_on()) {  // the window may hang for longer than outputs wait
-    return tell("this machine is not measured yet, and outputs are armed: disarm them first", true);
-  }
+  if (asks && !curves_ && outputs_ && outputs_view_.any_on()) return tell(kArmedUnmeasured, true);
   facts_.quality = request;
   facts_.chosen.reset();
   keeper_.reset();
   ladder_.clear();
+  wants_curves_ = false;
   // A measurement goes on for the new request, or ends by itself.
   stops_curves_ = !asks;
   stopped_curves_ = stopped_curves_ || !asks;
@@ -103,6 +109,7 @@ Result<bool> Preview::follow_quality() {
   auto curves = reading_curves_.get();
   if (!curves && device_->lost()) return tl::unexpected<Error>(std::move(curves).error());
   const bool asks = facts_.quality.any();
+  const bool wants = std::exchange(wants_curves_, false);
   facts_.measures_knobs = false;
   if (curves) {
     curves_ = std::move(*curves);
@@ -112,6 +119,8 @@ Result<bool> Preview::follow_quality() {
   } else if (asks) {
     facts_.quality = {};
     tell(curves.error().message + "; nodes and pixels are chosen by hand", true);
+  } else if (wants) {
+    tell(curves.error());
   }
   return false;
 }

@@ -17,6 +17,7 @@
 #include "fixtures/simulate/machines.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/pictures/scene_files.h"
+#include "tools/footlight/preview/display_loss.h"
 
 namespace footlight::tools {
 namespace {
@@ -66,6 +67,8 @@ Result<int> Preview::open_and_turn() {
   if (!options_.record.empty()) FL_TRY(start_recording(options_.record));
   while (!signal.came() && !((window_->wants_close() || closing_) && may_close())) {
     Status turned = turn();
+    if (!turned) window_->poll();  // Vulkan may see it first
+    FL_TRY(check_display());
     while (!turned && (lost(device_) || lost(window_device_))) turned = start_again(turned.error());
     FL_TRY(turned);
   }
@@ -98,6 +101,7 @@ Status Preview::pace() {
 Status Preview::turn() {
   FL_TRY(pace());
   window_->poll();
+  FL_TRY(check_display());
   follow_settings();
   const TimeNs now_ns = clock_.now_ns();
   const DurationNs dt_ns = now_ns - last_ns_;
@@ -109,8 +113,10 @@ Status Preview::turn() {
     closing_ = true;
     window_->keep_shot();
   }
+  FL_TRY(window_->set_pictures(pictures_));
   draw_ui(dt_ns);
   if (std::exchange(shot_taken_, false)) write_own_shot();
+  follow_exchange();
   keep_edits();
   keep_markers();
   const PixelRect where = place();
@@ -148,6 +154,7 @@ Status Preview::turn_stage(const PixelRect& where) {
   FL_TRY(follow_flashes());
   if (!fits_controls(where)) FL_TRY(rebuild(where));
   FL_TRY(update_error());
+  follow_report();
   follow_inputs();
   FL_TRY(step_levels());
   keep_recording();
@@ -240,6 +247,7 @@ Status Preview::read_picture() {
     facts_.error = error_->estimate();
     facts_.passes.push_back({"error", error_->gpu_ms()});
   }
+  if (reports()) read_report(gpu_ms);
   render::CountsRow counts{};
   std::memcpy(&counts, counts_.mapped, sizeof(counts));
   facts_.live_beams = counts.live_count;
@@ -301,9 +309,9 @@ void Preview::follow_knobs(const render::KnobPoint& point) {
   if (keeper_) controls_.divisor = point.knobs.divisor;
 }
 
-// The measurement of the error exists while the panel shows it, and is made anew for another frame.
+// The measurement of the error exists while a panel shows it, and is made anew for another frame.
 Status Preview::update_error() {
-  const bool shown = controls_.panel == PanelState::kFull && !window_->minimised();
+  const bool shown = (controls_.panel == PanelState::kFull && !window_->minimised()) || reports();
   if (!shown) {
     error_.reset();
     facts_.error = {};
@@ -371,7 +379,7 @@ Status Preview::start_again(const Error& loss) {
   return of_stage ? replace_stage() : replace_window();
 }
 
-// The window shows black until the next picture of the stage.
+// The window shows the last picture until the next one of the stage.
 Status Preview::replace_window() {
   if (window_device_) messages_before_ += window_device_->validation_messages().size();
   window_->detach();
@@ -413,6 +421,8 @@ Status Preview::replace_stage() {
 
 namespace {
 
+constexpr double kSecondsLeast = 1e-3;  // of --seconds that are over: 0 is without an end
+
 // What the window of `options` leaves to those after it: without what belongs to the first one alone, and as its user
 // has set it since.
 void leave_to_next(PreviewOptions& options, const Preview& preview) {
@@ -420,6 +430,7 @@ void leave_to_next(PreviewOptions& options, const Preview& preview) {
   options.recover = false;
   options.at_ns = 0;
   options.news.clear();
+  if (options.seconds > 0) options.seconds = std::max(options.seconds - preview.seconds(), kSecondsLeast);
   options.ins = preview.inputs();
   if (const auto flashes = preview.flashes()) options.flashes = *flashes;
 }

@@ -27,6 +27,7 @@
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/displays/display_videos.h"
 #include "tools/footlight/edit/autosave.h"
+#include "tools/footlight/mvr/mvr_exchange.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/edited_scene.h"
 #include "tools/footlight/preview/frame_times.h"
@@ -46,6 +47,7 @@
 #include "tools/footlight/preview/ui/palette.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/questions.h"
+#include "tools/footlight/preview/ui/report_view.h"
 #include "tools/footlight/preview/ui/stage_box.h"
 #include "tools/footlight/preview/ui/stage_handles.h"
 #include "tools/footlight/preview/ui/stage_pick.h"
@@ -54,6 +56,8 @@
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
+
+extern const char* const kArmedUnmeasured;  // why curves of knobs are not measured while outputs are armed
 
 class Preview {
  public:
@@ -65,6 +69,8 @@ class Preview {
   [[nodiscard]] const std::optional<Next>& next() const { return next_; }
   // A picture was shown.
   [[nodiscard]] bool opened() const { return picture_ns_ >= 0; }
+  // Since its first turn, which --seconds counts from.
+  [[nodiscard]] double seconds() const { return static_cast<double>(last_ns_ - start_ns_) * 1e-9; }
   // As the user has set them since: endpoints of inputs and controls; nothing: no rig was read.
   [[nodiscard]] std::vector<std::string> inputs() const;
   // An endpoint that sets levels by hand. A text that is no endpoint is none, and is refused where it is opened.
@@ -109,6 +115,14 @@ class Preview {
   Status draw();
   Status read_picture();
   void read_second();
+  // What the report panel shows: preview_report.cpp.
+  void follow_report();
+  void read_report(double gpu_ms);
+  void read_left_out();
+  [[nodiscard]] bool reports() const { return panels_.is_open(report_panel_) && !window_->minimised(); }
+  // Rigs over the network: preview_exchange.cpp.
+  void follow_exchange();
+  [[nodiscard]] std::string folder_for_rigs() const;
   // What the user changes of the picture: preview_picture.cpp.
   void take_picture_requests();
   [[nodiscard]] double haze_per_m() const;
@@ -301,6 +315,13 @@ class Preview {
   std::future<Result<render::KnobCurves>> reading_curves_;  // valid: they are measured or read
   std::atomic<bool> stops_curves_ = false;
   bool stopped_curves_ = false;  // since they were begun
+  bool wants_curves_ = false;    // also without a request for an error or a time
+  const std::size_t report_panel_ = panel_of("report");
+  ReportView report_;
+  bool looked_for_curves_ = false;  // of this machine, in their file
+  SharedScene left_out_scene_;      // that report_.left_out is of, with these settings
+  render::FrameSettings left_out_settings_;
+  std::future<LeftOutPlan> reading_left_out_;
   bool haze_is_rig_ = true;                   // the slider edits the rig; else, with --haze, only the picture
   double picture_haze_per_m_ = 0;             // then
   std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
@@ -323,6 +344,9 @@ class Preview {
   bool discards_ = false;
   bool times_out_ = false;  // --seconds have passed
 
+  std::unique_ptr<MvrExchange> exchange_;  // while the user looks at stations, or something is exchanged
+  ExchangeView exchange_view_;
+  TimeNs exchange_seen_ns_ = 0;     // when the user looked last
   std::optional<Next> asked_next_;  // while the question is open
   std::optional<Next> next_;
   OpenQuestion open_question_;
@@ -333,6 +357,7 @@ class Preview {
 
   std::unique_ptr<UiDesk> desk_;  // once the rig is read
   UiPanels panels_;
+  PictureShelf pictures_;
   Palette palette_;
   std::unique_ptr<StagePick> pick_;  // made by the first selection
   StageHandles handles_;

@@ -27,6 +27,12 @@ Status UploadedImage::set(vk::Device& device, const HostPicture& picture) {
   return {};
 }
 
+HostPicture UploadedImage::picture() const {
+  if (bytes_.mapped == nullptr) return {};
+  const std::size_t bytes = std::size_t{4} * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  return {{static_cast<const std::uint8_t*>(bytes_.mapped), bytes}, width_, height_};
+}
+
 void UploadedImage::record(VkCommandBuffer commands) {
   if (!fresh_) return;
   fresh_ = false;

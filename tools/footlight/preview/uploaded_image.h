@@ -15,6 +15,8 @@ class UploadedImage {
   // Once after each set(): then image() has its pixels, in VK_IMAGE_LAYOUT_GENERAL. Else records nothing.
   void record(VkCommandBuffer commands);
   [[nodiscard]] bool is_fresh() const { return fresh_; }
+  // Those of the last set(), also after the loss of the device; valid until the next one. Empty before the first.
+  [[nodiscard]] HostPicture picture() const;
 
   [[nodiscard]] VkImage image() const { return image_.handle; }  // null before the first set()
   [[nodiscard]] int width() const { return width_; }

@@ -14,6 +14,7 @@
 #include <imgui/backends/imgui_impl_vulkan.h>
 #include <imgui/imgui.h>
 
+#include "tools/footlight/preview/display_loss.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 
 namespace footlight::tools {
@@ -42,6 +43,7 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
                 last_glfw_error());
   }
   std::unique_ptr<Window> window(new Window());
+  note_display_loss();
   if (glfwVulkanSupported() != GLFW_TRUE) {
     return fail(ErrorCode::kUnsupported,
                 "no window: Vulkan cannot draw into one here ({}); use 'footlight render', which needs no display",
@@ -81,6 +83,9 @@ Window::~Window() {
 }
 
 void Window::detach() {
+  if (const HostPicture last = picture_.picture(); !last.rgba.empty()) {
+    kept_ = {{last.rgba.begin(), last.rgba.end()}, last.width, last.height};
+  }
   if (device_ != nullptr) {
     (void)device_->wait_idle();
     if (ui_started_) {
@@ -99,6 +104,7 @@ void Window::detach() {
   if (ImGui::GetCurrentContext() != nullptr) ImGui::DestroyContext();
   shot_ = {};
   picture_ = {};
+  shelf_bytes_ = {};
   shown_.forget();
   damaged_ = true;
   mouse_.clear();
@@ -106,6 +112,8 @@ void Window::detach() {
   ui_started_ = false;
   stale_ = true;
   swapchain_ = VK_NULL_HANDLE;
+  shelf_fresh_ = false;
+  shelf_revision_ = 0;
   render_pass_ = VK_NULL_HANDLE;
   descriptors_ = VK_NULL_HANDLE;
   acquired_ = VK_NULL_HANDLE;
@@ -161,7 +169,11 @@ Status Window::attach(vk::Device& device) {
   FL_TRY(vk::check(vkAllocateCommandBuffers(device.handle, &commands, &commands_), "vkAllocateCommandBuffers"));
   FL_TRY(create_render_pass());
   FL_TRY(create_swapchain());
-  return start_ui();
+  FL_TRY(start_ui());
+  if (kept_.rgba.empty()) return {};
+  const Status shown = picture_.set(device, {kept_.rgba, kept_.width, kept_.height});
+  kept_ = {};
+  return shown;
 }
 
 // Draws ImGui's data over the copied picture.
@@ -299,6 +311,55 @@ void Window::set_ui_look(float user_scale, UiTheme theme) {
   if (ImGui::GetCurrentContext() == nullptr) return;  // start_ui() does it
   set_ui_style(ui_scale(), theme_);
   ImGui::GetIO().FontGlobalScale = ui_scale() / font_scale_;
+  fonts_are_old_ = ui_started_ && has_font_file_ && ui_scale() != font_scale_;
+}
+
+// The glyphs for the present size of text, and room for the pictures of panels.
+void Window::add_fonts() {
+  ImGuiIO& io = ImGui::GetIO();
+  io.Fonts->Clear();
+  font_scale_ = ui_scale();
+  has_font_file_ =
+      access(kFontPath, R_OK) == 0 && io.Fonts->AddFontFromFileTTF(kFontPath, kFontPx * font_scale_) != nullptr;
+  if (!has_font_file_) {
+    io.Fonts->AddFontDefault();
+    font_scale_ = 1;
+  }
+  io.Fonts->TexDesiredWidth = 2 * PictureShelf::kSizePx;
+  shelf_rect_ = io.Fonts->AddCustomRectRegular(PictureShelf::kSizePx, PictureShelf::kSizePx);
+}
+
+// ImGui's, with the glyphs as its image.
+Status Window::start_renderer() {
+  ImGui_ImplVulkan_InitInfo info{};
+  info.Instance = device_->instance;
+  info.PhysicalDevice = device_->physical;
+  info.Device = device_->handle;
+  info.QueueFamily = device_->queue_family;
+  info.Queue = device_->queue;
+  info.DescriptorPool = descriptors_;
+  info.MinImageCount = image_count_min_;
+  info.ImageCount = std::max(image_count_min_, static_cast<std::uint32_t>(targets_.size()));
+  info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
+  ImGui_ImplVulkan_Init(&info, render_pass_);
+  ui_started_ = true;
+  shelf_revision_ = 0;  // the image has no pictures yet
+  FL_TRY(device_->run_once([](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); }));
+  ImGui_ImplVulkan_DestroyFontUploadObjects();
+  return {};
+}
+
+// Another size of text. ImGui's renderer (1.86) makes its image once, so it starts anew.
+Status Window::remake_fonts() {
+  fonts_are_old_ = false;
+  FL_TRY(device_->wait_idle());
+  ImGui_ImplVulkan_Shutdown();
+  ui_started_ = false;
+  FL_TRY(vk::check(vkResetDescriptorPool(device_->handle, descriptors_, 0), "vkResetDescriptorPool"));
+  add_fonts();
+  set_ui_look(user_scale_, theme_);
+  damaged_ = true;
+  return start_renderer();
 }
 
 Status Window::start_ui() {
@@ -307,11 +368,7 @@ Status Window::start_ui() {
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;                     // writes no file into the current folder
   io.ConfigWindowsMoveFromTitleBarOnly = true;  // else a drag beside a field moves the panel
-  font_scale_ = ui_scale();
-  if (access(kFontPath, R_OK) != 0 || io.Fonts->AddFontFromFileTTF(kFontPath, kFontPx * font_scale_) == nullptr) {
-    io.Fonts->AddFontDefault();
-    font_scale_ = 1;
-  }
+  add_fonts();
   set_ui_look(user_scale_, theme_);
   // ImGui calls the callbacks that are set already.
   glfwSetKeyCallback(window_, &Window::on_key);
@@ -333,21 +390,7 @@ Status Window::start_ui() {
   pool.poolSizeCount = 1;
   pool.pPoolSizes = &size;
   FL_TRY(vk::check(vkCreateDescriptorPool(device_->handle, &pool, nullptr, &descriptors_), "vkCreateDescriptorPool"));
-  ImGui_ImplVulkan_InitInfo info{};
-  info.Instance = device_->instance;
-  info.PhysicalDevice = device_->physical;
-  info.Device = device_->handle;
-  info.QueueFamily = device_->queue_family;
-  info.Queue = device_->queue;
-  info.DescriptorPool = descriptors_;
-  info.MinImageCount = image_count_min_;
-  info.ImageCount = std::max(image_count_min_, static_cast<std::uint32_t>(targets_.size()));
-  info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
-  ImGui_ImplVulkan_Init(&info, render_pass_);
-  ui_started_ = true;
-  FL_TRY(device_->run_once([](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); }));
-  ImGui_ImplVulkan_DestroyFontUploadObjects();
-  return {};
+  return start_renderer();
 }
 
 void Window::on_key(GLFWwindow* window, int key, int scancode, int action, int mods) {
@@ -438,8 +481,13 @@ void Window::poll(double wait_s) {
 void Window::read_sizes() {
   int units = 0;
   int unused = 0;
+  int width = 0;
+  int height = 0;
   glfwGetWindowSize(window_, &units, &unused);
-  glfwGetFramebufferSize(window_, &width_, &height_);
+  glfwGetFramebufferSize(window_, &width, &height);
+  if (display_is_lost()) return;  // these may be anything
+  width_ = width;
+  height_ = height;
   minimised_ = width_ == 0 || height_ == 0 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
   pixels_per_unit_ = units > 0 && width_ > 0 ? static_cast<float>(width_) / static_cast<float>(units) : 1.0f;
 }
@@ -469,6 +517,7 @@ void Window::begin_ui() {
   ImGui_ImplVulkan_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGuiIO& io = ImGui::GetIO();
+  if (display_is_lost()) io.DisplaySize = {0, 0};  // it may be anything
   const auto held = [&](int left, int right) {
     return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS;
   };

@@ -28,9 +28,10 @@
 #include "render/vk/memory.h"
 #include "tools/footlight/preview/key_presses.h"
 #include "tools/footlight/preview/mouse_queue.h"
+#include "tools/footlight/preview/ui/picture_shelf.h"
 #include "tools/footlight/preview/uploaded_image.h"
-#include "tools/footlight/preview/window_ui.h"
 #include "tools/footlight/preview/window_settings.h"
+#include "tools/footlight/preview/window_ui.h"
 
 struct GLFWwindow;
 
@@ -55,7 +56,8 @@ class Window {
   [[nodiscard]] const std::vector<std::string>& instance_extensions() const { return instance_extensions_; }
   // kUnsupported if the device cannot show pictures in this window.
   Status attach(render::vk::Device& device);
-  // Lets go of the device, so that another one can be attached: after a loss. What ImGui remembered is gone.
+  // Lets go of the device, so that another one can be attached: after a loss. What ImGui remembered is gone; the last
+  // picture is shown again.
   void detach();
 
   void set_title(const std::string& title);
@@ -83,8 +85,8 @@ class Window {
   // Pixels per unit of ImGui, and the scale of the user interface for this screen.
   [[nodiscard]] float pixels_per_unit() const { return pixels_per_unit_; }
   [[nodiscard]] float ui_scale() const { return ui_scale_ * user_scale_; }
-  // How large the user interface is beside what suits the screen, and its theme. Between two pictures. Text is scaled
-  // from the size that it had at attach().
+  // How large the user interface is beside what suits the screen, and its theme. Between two pictures. The next
+  // set_pictures() makes the glyphs for it.
   void set_ui_look(float user_scale, UiTheme theme);
   // Pictures a second of the fastest screen; 60 if that is unknown.
   [[nodiscard]] static double refresh_hz();
@@ -93,6 +95,9 @@ class Window {
   void begin_ui();
   void end_ui();
 
+  // The pictures that panels draw, which have a place beside ImGui's glyphs: its renderer knows one image only. Before
+  // begin_ui(): tells the shelf where that is, and copies it where it has changed.
+  Status set_pictures(PictureShelf& pictures);
   // Returns when the GPU is done with the last show().
   Status wait_gpu();
   // What the next show() shows; copies it. Until the first one there is none.
@@ -114,8 +119,12 @@ class Window {
   void destroy_swapchain();
   Status create_render_pass();
   Status start_ui();
+  void add_fonts();
+  Status start_renderer();
+  Status remake_fonts();
   Status present(std::uint32_t index);
   void record_picture(VkCommandBuffer commands, VkImage target, const PixelRect& place);
+  void record_shelf(VkCommandBuffer commands);
   void record_ui(VkCommandBuffer commands, const VkFramebuffer& target);
   static void on_key(GLFWwindow* window, int key, int scancode, int action, int mods);
   static void on_character(GLFWwindow* window, unsigned int character);
@@ -152,6 +161,8 @@ class Window {
   float ui_scale_ = 1;     // of the screen
   float user_scale_ = 1;   // beside that
   float font_scale_ = 1;   // ui_scale() when the font was made
+  bool has_font_file_ = false;  // else ImGui's own font is scaled
+  bool fonts_are_old_ = false;  // they are made anew before the next frame
   UiTheme theme_ = UiTheme::kDark;
   bool ui_started_ = false;
 
@@ -172,6 +183,15 @@ class Window {
   VkFence done_ = VK_NULL_HANDLE;
 
   UploadedImage picture_;
+  struct {
+    std::vector<std::uint8_t> rgba;
+    int width = 0;
+    int height = 0;
+  } kept_;                            // the last picture of a device that was let go
+  int shelf_rect_ = -1;               // of set_pictures(), in ImGui's atlas of glyphs
+  std::uint64_t shelf_revision_ = 0;  // that the atlas has, or shelf_bytes_
+  bool shelf_fresh_ = false;          // shelf_bytes_ are not yet in the atlas
+  render::vk::Buffer shelf_bytes_;    // made with the first picture
   ShownUi shown_;
   PixelRect place_;      // of the last show()
   bool damaged_ = true;  // the window shows something else than the last show()

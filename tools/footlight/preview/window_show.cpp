@@ -76,9 +76,44 @@ Status Window::set_picture(const HostPicture& picture) {
   return picture_.set(*device_, picture);
 }
 
+Status Window::set_pictures(PictureShelf& pictures) {
+  if (fonts_are_old_) FL_TRY(remake_fonts());
+  const ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  const ImFontAtlasCustomRect& rect = atlas.CustomRects[shelf_rect_];
+  if (!rect.IsPacked()) return {};  // no room: panels have no pictures
+  const auto width = static_cast<float>(atlas.TexWidth);
+  const auto height = static_cast<float>(atlas.TexHeight);
+  pictures.area = PictureShelf::Place{rect.X / width, rect.Y / height, (rect.X + rect.Width) / width,
+                                      (rect.Y + rect.Height) / height};
+  if (shelf_revision_ == pictures.revision()) return {};
+  FL_TRY(wait_gpu());
+  if (shelf_bytes_.mapped == nullptr) {
+    FL_ASSIGN(shelf_bytes_, vk::Buffer::host_visible(*device_, pictures.rgba().size(), 0));
+  }
+  std::memcpy(shelf_bytes_.mapped, pictures.rgba().data(), pictures.rgba().size());
+  shelf_revision_ = pictures.revision();
+  shelf_fresh_ = true;
+  return {};
+}
+
+// Into the image that ImGui's renderer has made of its glyphs, and which is its texture (1.86).
+void Window::record_shelf(VkCommandBuffer commands) {
+  if (!std::exchange(shelf_fresh_, false)) return;
+  const ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  const ImFontAtlasCustomRect& rect = atlas.CustomRects[shelf_rect_];
+  const auto image = reinterpret_cast<VkImage>(atlas.TexID);
+  change_layout(commands, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  VkBufferImageCopy region{};
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.imageOffset = {rect.X, rect.Y, 0};
+  region.imageExtent = {rect.Width, rect.Height, 1};
+  vkCmdCopyBufferToImage(commands, shelf_bytes_.handle, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+  change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+}
+
 Result<Window::Shown> Window::show(const PixelRect& place) {
   if (static_cast<int>(extent_.width) != width_ || static_cast<int>(extent_.height) != height_) stale_ = true;
-  const bool changes = shown_.changes(*ImGui::GetDrawData()) || picture_.is_fresh() || place != place_;
+  const bool changes = shown_.changes(*ImGui::GetDrawData()) || picture_.is_fresh() || shelf_fresh_ || place != place_;
   if (!changes && !stale_ && !damaged_ && !shot_wanted_) return Shown::kSame;
   damaged_ = true;  // until it is shown
   place_ = place;
@@ -107,6 +142,7 @@ Result<Window::Shown> Window::show(const PixelRect& place) {
   FL_TRY(vk::check(vkBeginCommandBuffer(commands_, &begin), "vkBeginCommandBuffer"));
   const Target& target = targets_[index];
   picture_.record(commands_);
+  record_shelf(commands_);
   change_layout(commands_, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   record_picture(commands_, target.image, place);
   record_ui(commands_, target.framebuffer);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -53,23 +55,92 @@ std::uint64_t bytes_of(const std::vector<PassMemory>& plan) {
   return bytes;
 }
 
+// SPIR-V of each pass, needed or not. Stages that several of its pipelines have count once.
+std::vector<PassMemory> code_sizes() {
+  std::vector<PassMemory> sizes;
+  for (const PassShaders& pass : pass_shaders()) {
+    std::set<const std::uint32_t*> counted;
+    sizes.push_back({pass.name, 0});
+    for (const auto& stages : pass.pipelines) {
+      for (const vk::Spirv stage : stages) {
+        if (counted.insert(stage.data()).second) sizes.back().bytes += stage.size_bytes();
+      }
+    }
+  }
+  return sizes;
+}
+
+std::vector<const fixtures::Feature*> missing_features(const fixtures::Needs& needs) {
+  std::vector<const fixtures::Feature*> missing;
+  for (const fixtures::Feature& feature : fixtures::features()) {
+    if (!(needs.*feature.need)) missing.push_back(&feature);
+  }
+  return missing;
+}
+
+// Rows of passes that are left out, with their code.
+std::vector<LeftOutRow> pass_rows(const fixtures::Needs& needs, const FrameSettings& settings) {
+  std::vector<LeftOutRow> rows;
+  const auto all = code_sizes();
+  for (const LeftOutPass& pass : left_out_passes(needs, settings)) {
+    rows.push_back({.name = pass.name, .text = pass.loss, .pass = true, .on_gpu = false, .times = {}});
+    const auto code = std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.name == pass.name; });
+    if (code != all.end()) rows.back().code_bytes = code->bytes;
+  }
+  return rows;
+}
+
+// The frame without a need, and what the need would change of it.
+struct Without {
+  MemoryShape shape;
+  std::vector<PassPlan> plan;
+  std::vector<PassMemory> memory;
+  explicit Without(const MemoryShape& of)
+      : shape(of), plan(plan_frame(of.needs, of.settings)), memory(plan_memory(of)) {}
+
+  struct Change {
+    LeftOutRow row;
+    std::vector<std::string> names;  // of the passes that it adds or changes
+    std::vector<PassMemory> memory;  // with it
+  };
+  [[nodiscard]] Change with(const fixtures::Feature& feature) const {
+    Change change;
+    MemoryShape forced = shape;
+    forced.needs.*feature.need = true;
+    change.memory = plan_memory(forced);
+    change.names = changed(plan_frame(forced.needs, forced.settings), plan);
+    change.row.name = feature.name;
+    change.row.text = feature.without;
+    change.row.bytes = bytes_of(change.memory) - std::min(bytes_of(memory), bytes_of(change.memory));
+    change.row.on_gpu = change.row.bytes > 0 || !change.names.empty();
+    return change;
+  }
+};
+
+// The bytes of a pass are those of the first need that brings it. True: this one does.
+bool take_bytes(LeftOutRow& pass, const std::vector<PassMemory>& memory) {
+  const auto found =
+      std::find_if(memory.begin(), memory.end(), [&](const PassMemory& each) { return each.name == pass.name; });
+  if (found == memory.end() || pass.on_gpu) return false;
+  pass.on_gpu = true;
+  pass.bytes = found->bytes;
+  return true;
+}
+
 // Measures each missing need against the frame without it.
 class Measurement {
  public:
   Measurement(vk::Device& device, const Scene& scene, const LeftOutOptions& options)
-      : device_(device), scene_(scene), options_(options), view_(view_of(scene.camera)), settings_(options.settings) {
-    plan_ = plan_frame(scene.compiled.needs, settings_);
-    memory_ = plan_memory({scene.rig, scene.compiled, scene.compiled.needs, settings_});
-    for (const LeftOutPass& pass : left_out_passes(scene.compiled.needs, settings_)) {
-      passes_.push_back({.name = pass.name, .text = pass.loss, .pass = true, .on_gpu = false, .times = {}});
-    }
-  }
+      : device_(device),
+        scene_(scene),
+        options_(options),
+        view_(view_of(scene.camera)),
+        settings_(options.settings),
+        base_({scene.rig, scene.compiled, scene.compiled.needs, settings_}),
+        passes_(pass_rows(scene.compiled.needs, settings_)) {}
 
   Result<std::vector<LeftOutRow>> rows() {
-    std::vector<const fixtures::Feature*> missing;
-    for (const fixtures::Feature& feature : fixtures::features()) {
-      if (!(scene_.compiled.needs.*feature.need)) missing.push_back(&feature);
-    }
+    const std::vector<const fixtures::Feature*> missing = missing_features(scene_.compiled.needs);
     if (options_.runs > 0) {
       FL_ASSIGN(without_, Frame::create(device_, scene_.rig, scene_.compiled, settings_));
     }
@@ -87,28 +158,18 @@ class Measurement {
 
  private:
   Result<LeftOutRow> measure(const fixtures::Feature& feature) {
-    LeftOutRow row;
-    row.name = feature.name;
-    row.text = feature.without;
-    fixtures::CompiledRig forced = scene_.compiled;
-    forced.needs.*feature.need = true;
-    const auto memory = plan_memory({scene_.rig, forced, forced.needs, settings_});
-    row.bytes = bytes_of(memory) - std::min(bytes_of(memory_), bytes_of(memory));
-    const std::vector<std::string> names = changed(plan_frame(forced.needs, settings_), plan_);
-    row.on_gpu = row.bytes > 0 || !names.empty();
+    Without::Change change = base_.with(feature);
+    LeftOutRow row = std::move(change.row);
     if (!row.on_gpu) return row;
     std::vector<std::vector<double>> pass_ms(passes_.size());
     // Without a floor that mirrors, nothing is mirrored that could be timed.
     if (without_ && feature.need != &fixtures::Needs::gloss) {
-      FL_ASSIGN(row.times, measure_times(forced, names, pass_ms));
+      fixtures::CompiledRig forced = scene_.compiled;
+      forced.needs.*feature.need = true;
+      FL_ASSIGN(row.times, measure_times(forced, change.names, pass_ms));
     }
     for (std::size_t p = 0; p < passes_.size(); ++p) {
-      const auto found = std::find_if(memory.begin(), memory.end(),
-                                      [&](const PassMemory& each) { return each.name == passes_[p].name; });
-      if (found == memory.end() || passes_[p].on_gpu) continue;
-      passes_[p].on_gpu = true;
-      passes_[p].bytes = found->bytes;
-      passes_[p].times = times_of(pass_ms[p]);
+      if (take_bytes(passes_[p], change.memory)) passes_[p].times = times_of(pass_ms[p]);
     }
     return row;
   }
@@ -138,11 +199,12 @@ class Measurement {
   const LeftOutOptions& options_;
   View view_;
   FrameSettings settings_;
-  std::vector<PassPlan> plan_;
-  std::vector<PassMemory> memory_;
+  Without base_;
   std::vector<LeftOutRow> passes_;
   std::unique_ptr<Frame> without_;  // null: nothing is timed
 };
+
+}  // namespace
 
 std::string bytes_text(std::uint64_t bytes) {
   if (bytes < std::uint64_t{10} * 1024) return fmt::format("{} B", bytes);
@@ -150,7 +212,20 @@ std::string bytes_text(std::uint64_t bytes) {
   return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1024 * 1024));
 }
 
-}  // namespace
+LeftOutPlan plan_left_out(const MemoryShape& shape) {
+  const Without base(shape);
+  LeftOutPlan plan{pass_rows(shape.needs, shape.settings)};
+  const std::size_t passes = plan.rows.size();
+  for (const LeftOutRow& row : plan.rows) plan.code_bytes += row.code_bytes;
+  for (const PassMemory& code : code_sizes()) plan.used_code_bytes += code.bytes;
+  plan.used_code_bytes -= plan.code_bytes;
+  for (const fixtures::Feature* feature : missing_features(shape.needs)) {
+    Without::Change change = base.with(*feature);
+    for (std::size_t p = 0; change.row.on_gpu && p < passes; ++p) (void)take_bytes(plan.rows[p], change.memory);
+    plan.rows.push_back(std::move(change.row));
+  }
+  return plan;
+}
 
 Result<std::vector<LeftOutRow>> measure_left_out(vk::Device& device, const Scene& scene,
                                                  const LeftOutOptions& options) {

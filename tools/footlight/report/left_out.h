@@ -28,6 +28,7 @@ struct LeftOutRow {
   bool pass = false;
   bool on_gpu = true;  // false: no shader, buffer or image depends on it, so nothing is measured
   std::uint64_t bytes = 0;
+  std::uint64_t code_bytes = 0;  // of a pass: SPIR-V of its shaders
   struct Times {
     double ms_p10 = 0;
     double ms_p50 = 0;
@@ -41,6 +42,17 @@ struct LeftOutRow {
 [[nodiscard]] Result<std::vector<LeftOutRow>> measure_left_out(render::vk::Device& device, const Scene& scene,
                                                                const LeftOutOptions& options);
 
+// The same rows with bytes alone, and with the code of each pass. Needs no device: any thread. `needs`: of the rig, or
+// drawn_needs() of it.
+struct LeftOutPlan {
+  std::vector<LeftOutRow> rows;
+  std::uint64_t code_bytes = 0;       // SPIR-V of all pipelines of the passes that are left out
+  std::uint64_t used_code_bytes = 0;  // of those that are in use
+};
+[[nodiscard]] LeftOutPlan plan_left_out(const render::MemoryShape& shape);
+
+// "512 B", "9.8 KiB", "3.0 MiB".
+[[nodiscard]] std::string bytes_text(std::uint64_t bytes);
 [[nodiscard]] std::string text_of(const std::vector<LeftOutRow>& rows, const std::string& scene);
 [[nodiscard]] std::string json_of(const std::vector<LeftOutRow>& rows);  // one object per line
 

@@ -18,6 +18,7 @@
 #include "fixtures/simulate/encode.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
 #include "tools/footlight/preview/ui/draw_controls.h"
+#include "tools/footlight/preview/ui/draw_wheels.h"
 #include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
@@ -78,6 +79,7 @@ class InspectorPanel final : public Panel {
     follow();
     controls_.draw(desk, input, lead_, simulated_aim());
     draw_channels(desk, input);
+    wheels_.draw(desk, input, lead_);
     if (ImGui::CollapsingHeader("Simulated now", ImGuiTreeNodeFlags_DefaultOpen)) draw_heads(input);
   }
 
@@ -429,6 +431,7 @@ class InspectorPanel final : public Panel {
   bool stepped_ = false;                          // trace_ was, so it has something to show
   std::optional<Drag> dragged_;                   // of the lead fixture
   InspectorControls controls_;
+  InspectorWheels wheels_;
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -43,6 +44,82 @@ void draw_recent(const UiDesk& desk, std::optional<UiCall>& chosen) {
   }
 }
 
+std::string words_of(const ExchangeView::File& file) {
+  std::string words = file.name.empty() ? file.uuid : file.name;
+  if (file.bytes > 0) words += fmt::format("  {:.1f} MB", static_cast<double>(file.bytes) * 1e-6);
+  return file.comment.empty() ? words : words + "  " + file.comment;
+}
+
+// The newest file first.
+void draw_station(const ExchangeView::Station& station, ExchangeView& exchange) {
+  const std::string title =
+      station.program.empty() ? station.name : fmt::format("{} ({})", station.name, station.program);
+  ui_text(station.joined ? kUiAmber : kUiDim, title);
+  if (!station.trouble.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", station.trouble.c_str());
+  if (!station.joined) return ui_text(kUiDim, station.trouble.empty() ? "  asked ..." : "  does not answer");
+  if (station.files.empty() && ImGui::MenuItem("  its newest file")) exchange.receive = {{station.address, "", ""}};
+  for (auto file = station.files.rbegin(); file != station.files.rend(); ++file) {
+    ImGui::PushID(file->uuid.c_str());
+    if (ImGui::MenuItem(fmt::format("  {}###file", words_of(*file)).c_str())) {
+      exchange.receive = {{station.address, file->uuid, file->name}};
+    }
+    ImGui::PopID();
+  }
+}
+
+void draw_stations(ExchangeView& exchange) {
+  exchange.looks = true;
+  if (!exchange.receiving.empty()) {
+    ui_text(kUiAmber, "receiving " + exchange.receiving);
+    if (ImGui::MenuItem("stop")) exchange.stop_receiving = true;
+    ImGui::Separator();
+  }
+  if (exchange.stations.empty()) ui_text(kUiDim, exchange.trouble.empty() ? "looking for stations ..." : "no station");
+  if (!exchange.trouble.empty()) {
+    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
+    ui_text(kUiRed, exchange.trouble);
+    ImGui::PopTextWrapPos();
+  }
+  for (const ExchangeView::Station& station : exchange.stations) {
+    ImGui::PushID(station.address.c_str());
+    draw_station(station, exchange);
+    ImGui::PopID();
+  }
+  ImGui::Separator();
+  std::array<char, 256> text{};
+  exchange.address_text.copy(text.data(), text.size() - 1);
+  ImGui::SetNextItemWidth(ImGui::GetFontSize() * 14);
+  const bool entered = ImGui::InputTextWithHint("##address", "10.0.0.7:42424", text.data(), text.size(),
+                                                ImGuiInputTextFlags_EnterReturnsTrue);
+  exchange.address_text = text.data();
+  ImGui::SameLine();
+  if ((ImGui::Button("add") || entered) && !exchange.address_text.empty()) {
+    exchange.add = std::exchange(exchange.address_text, {});
+  }
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("A station that is not found, by its address.");
+}
+
+void draw_exchange(ExchangeView& exchange) {
+  if (ImGui::BeginMenu("Receive a rig")) {
+    draw_stations(exchange);
+    ImGui::EndMenu();
+  }
+  if (exchange.makes) return ui_text(kUiDim, "making the file to share ...");
+  if (exchange.sharing.empty()) {
+    if (ImGui::MenuItem("Share this rig on the network")) exchange.share = true;
+    return;
+  }
+  if (ImGui::MenuItem("Share this rig anew")) exchange.share = true;
+  if (ImGui::MenuItem("Stop sharing")) exchange.stop_sharing = true;
+  ui_text(kUiDim, "shared: " + exchange.sharing);
+}
+
+void draw_file(const UiDesk& desk, ExchangeView* exchange, std::optional<UiCall>& chosen) {
+  if (exchange != nullptr) draw_exchange(*exchange);
+  if (exchange != nullptr && !desk.recent_rigs().empty()) ImGui::Separator();
+  if (!desk.recent_rigs().empty()) draw_recent(desk, chosen);
+}
+
 void draw_panel_rows(const UiPanels& open, std::optional<UiCall>& chosen) {
   for (std::size_t i = 0; i < panels().size(); ++i) {
     if (ImGui::MenuItem(panels()[i].title, panels()[i].key_text, open.is_open(i))) {
@@ -74,15 +151,17 @@ ImVec2 menu_spacing(std::span<const Menu> menus) {
 
 }  // namespace
 
-std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool has_log, const OutputsView* outputs) {
+std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool has_log, const OutputsView* outputs,
+                                ExchangeView* exchange) {
   std::optional<UiCall> chosen;
   const auto rows = [&](UiMenu menu) { return [&, menu] { draw_rows(menu, desk, outputs, chosen); }; };
-  const std::array<Menu, 6> menus{{{"File", !desk.recent_rigs().empty(), [&] { draw_recent(desk, chosen); }},
-                                   {"Panels", true, [&] { draw_panel_rows(open, chosen); }},
-                                   {"Edit", true, rows(UiMenu::kEdit)},
-                                   {"View", true, rows(UiMenu::kView)},
-                                   {"Play", has_log, rows(UiMenu::kPlayback)},
-                                   {"Outputs", outputs != nullptr, rows(UiMenu::kOutputs)}}};
+  const std::array<Menu, 6> menus{
+      {{"File", exchange != nullptr || !desk.recent_rigs().empty(), [&] { draw_file(desk, exchange, chosen); }},
+       {"Panels", true, [&] { draw_panel_rows(open, chosen); }},
+       {"Edit", true, rows(UiMenu::kEdit)},
+       {"View", true, rows(UiMenu::kView)},
+       {"Play", has_log, rows(UiMenu::kPlayback)},
+       {"Outputs", outputs != nullptr, rows(UiMenu::kOutputs)}}};
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, menu_spacing(menus));
   for (const Menu& menu : menus) {
     if (!menu.is_there || !ImGui::BeginMenu(menu.title)) continue;

@@ -11,12 +11,14 @@
 
 #include <fmt/format.h>
 
+#include "sim/core/check.h"
+
 namespace footlight::tools {
 namespace {
 
 constexpr float kEdge = 8;  // between a panel and the edge of the stage
 
-constexpr std::array<PanelInfo, 8> kPanels{{
+constexpr std::array<PanelInfo, 9> kPanels{{
     {"keys", "Keys", GLFW_KEY_F1, "F1, ?", "this list", {0.5f, 0.5f, 560, 620, 1}, make_keys_panel},
     {"universes",
      "Universes",
@@ -61,6 +63,13 @@ constexpr std::array<PanelInfo, 8> kPanels{{
      "the last messages and errors of the window",
      {0, 1, 560, 220, 0.4f},
      make_messages_panel},
+    {"report",
+     "Report",
+     GLFW_KEY_F10,
+     "F10",
+     "error and time of the picture, memory, what is left out",
+     {1, 1, 620, 420, 0.6f},
+     make_report_panel},
 }};
 
 Status for_words(std::string_view words, const std::function<void(std::size_t)>& act) {
@@ -83,6 +92,12 @@ Status for_words(std::string_view words, const std::function<void(std::size_t)>&
 }  // namespace
 
 std::span<const PanelInfo> panels() { return kPanels; }
+
+std::size_t panel_of(std::string_view word) {
+  const auto at = std::find_if(kPanels.begin(), kPanels.end(), [&](const PanelInfo& one) { return word == one.word; });
+  FL_CHECK(at != kPanels.end());
+  return static_cast<std::size_t>(at - kPanels.begin());
+}
 
 Status check_panel_words(std::string_view words) {
   return for_words(words, [](std::size_t) {});

@@ -17,6 +17,8 @@
 #include "tools/footlight/preview/ui/inputs_view.h"
 #include "tools/footlight/preview/ui/messages.h"
 #include "tools/footlight/preview/ui/outputs_view.h"
+#include "tools/footlight/preview/ui/picture_shelf.h"
+#include "tools/footlight/preview/ui/report_view.h"
 #include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
 
@@ -34,6 +36,8 @@ struct UiInput {
   OutputsView* outputs = nullptr;        // to real lamps; its second part may be changed
   InputsView* inputs = nullptr;          // live ones; its second part may be changed
   const MessageLog* messages = nullptr;  // of the window
+  ReportView* report = nullptr;          // of the picture; its second part may be changed
+  PictureShelf* pictures = nullptr;      // small ones that panels draw; may be missing
   float scale = 1;                       // of the user interface
 };
 
@@ -70,6 +74,8 @@ struct PanelInfo {
   std::unique_ptr<Panel> (*make)(UiDesk& desk);
 };
 [[nodiscard]] std::span<const PanelInfo> panels();
+// The index of the panel of this word, which there is.
+[[nodiscard]] std::size_t panel_of(std::string_view word);
 
 [[nodiscard]] std::unique_ptr<Panel> make_universes_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_fixtures_panel(UiDesk& desk);
@@ -78,6 +84,7 @@ struct PanelInfo {
 [[nodiscard]] std::unique_ptr<Panel> make_devices_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_library_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_messages_panel(UiDesk& desk);
+[[nodiscard]] std::unique_ptr<Panel> make_report_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_keys_panel(UiDesk& desk);
 
 // Which panels are open.

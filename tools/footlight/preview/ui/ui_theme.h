@@ -56,6 +56,13 @@ inline void ui_text(const ImVec4& colour, std::string_view words) {
   ImGui::PopStyleColor();
 }
 
+// On several lines where it is too long for one.
+inline void ui_wrapped(const ImVec4& colour, std::string_view words) {
+  ImGui::PushTextWrapPos(0);
+  ui_text(colour, words);
+  ImGui::PopTextWrapPos();
+}
+
 // A text as a format string of ImGui.
 [[nodiscard]] inline std::string ui_format(std::string_view words) {
   std::string format;

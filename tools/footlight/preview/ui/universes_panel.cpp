@@ -14,6 +14,7 @@
 #include "fixtures/displays/pixel_slots.h"
 #include "tools/footlight/monitor/slot_changes.h"
 #include "tools/footlight/preview/ui/draw_compare.h"
+#include "tools/footlight/preview/ui/draw_universe_maps.h"
 #include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/slot_names.h"
@@ -50,12 +51,13 @@ class UniversesPanel final : public Panel {
     shown_ = std::min(shown_, universes.size() - 1);
     draw_choice(desk, input);
     if (compare_.take(desk, input, frozen_)) fresh_ = true;  // the grid shows the levels that were compared
+    if (nine_ && universes.size() > 1) return draw_nine(desk, input);
     take(desk, input);
     draw_source(desk, input);
     compare_.draw_row(desk, input, universes[shown_]);
     const bool lists = desk.comparison().a && !compare_.difference().slots.empty();
     const float list = lists ? std::max(ImGui::GetContentRegionAvail().y * 0.38f, 4 * ImGui::GetTextLineHeight()) : 0;
-    const std::optional<std::size_t> under = draw_grid(desk, list);
+    const std::optional<std::size_t> under = draw_grid(desk, input, list);
     draw_slot(desk, under.value_or(last_under_));
     if (under) last_under_ = *under;
     const std::size_t before = shown_;
@@ -67,7 +69,8 @@ class UniversesPanel final : public Panel {
   void draw_choice(UiDesk& desk, const UiInput& input) {
     const auto& universes = desk.compiled().universes;
     const std::size_t before = shown_;
-    if (ImGui::ArrowButton("before", ImGuiDir_Left) && shown_ > 0) --shown_;
+    const std::size_t step = nine_ ? UniverseMaps::kOnPage : 1;
+    if (ImGui::ArrowButton("before", ImGuiDir_Left)) shown_ -= std::min(shown_, step);
     ImGui::SameLine(0, 2);
     ImGui::SetNextItemWidth(120 * input.scale);
     if (ImGui::BeginCombo("##universe", fmt::format("universe {}", universes[shown_]).c_str())) {
@@ -85,7 +88,7 @@ class UniversesPanel final : public Panel {
       ImGui::EndCombo();
     }
     ImGui::SameLine(0, 2);
-    if (ImGui::ArrowButton("after", ImGuiDir_Right) && shown_ + 1 < universes.size()) ++shown_;
+    if (ImGui::ArrowButton("after", ImGuiDir_Right)) shown_ = std::min(shown_ + step, universes.size() - 1);
     ImGui::SameLine();
     ImGui::Checkbox("freeze", &frozen_);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Keeps what is shown. The picture goes on.");
@@ -97,7 +100,22 @@ class UniversesPanel final : public Panel {
       }
       if (ImGui::IsItemHovered()) ImGui::SetTooltip("Keeps this moment, and marks the slots that differ from it.");
     }
+    if (universes.size() > 1) {
+      ImGui::SameLine();
+      if (ImGui::Checkbox("nine at once", &nine_)) fresh_ = true;
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("Maps of nine universes. A click on one shows it alone.");
+    }
     if (shown_ != before) fresh_ = true;
+  }
+
+  void draw_nine(UiDesk& desk, const UiInput& input) {
+    compare_.draw_row(desk, input, desk.compiled().universes[shown_]);
+    maps_.turn_to(shown_);
+    const auto clicked = maps_.draw(desk, input, frozen_, compare_.difference());
+    if (!clicked) return;
+    shown_ = *clicked;
+    nine_ = false;
+    fresh_ = true;
   }
 
   // The levels of the grid: of the kept moment B if there is one.
@@ -132,7 +150,7 @@ class UniversesPanel final : public Panel {
   }
 
   // The slot under the mouse.
-  std::optional<std::size_t> draw_grid(UiDesk& desk, float below) {
+  std::optional<std::size_t> draw_grid(UiDesk& desk, const UiInput& input, float below) {
     const float line = ImGui::GetTextLineHeight();
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -154,7 +172,7 @@ class UniversesPanel final : public Panel {
         desk.select(uses.empty() ? -1 : uses.front().key.fixture, io.KeyCtrl || io.KeyShift);
       }
     }
-    if (under) draw_difference_tip(desk, *under);
+    if (under) draw_slot_tip(desk, input, shown_, *under, changes_, now_ns_, difference_words(desk, *under));
     ImDrawList* draw = ImGui::GetWindowDrawList();
     const float size = ImGui::GetFontSize() * 0.8f;
     const bool numbers = width >= size * 2 && height >= size;
@@ -182,12 +200,10 @@ class UniversesPanel final : public Panel {
     return level != changes_.levels[slot] ? std::optional(level) : std::nullopt;
   }
 
-  void draw_difference_tip(const UiDesk& desk, std::size_t slot) const {
+  [[nodiscard]] std::string difference_words(const UiDesk& desk, std::size_t slot) const {
     const auto other = other_level(desk, slot);
-    if (!other) return;
-    const std::string words = fmt::format("{}.{}  A {}, B {} ({:+})", desk.compiled().universes[shown_], slot + 1,
-                                          *other, changes_.levels[slot], changes_.levels[slot] - *other);
-    ImGui::SetTooltip("%s", words.c_str());
+    if (!other) return "";
+    return fmt::format("A {}, B {} ({:+})", *other, changes_.levels[slot], changes_.levels[slot] - *other);
   }
 
   // A slot: a bar as high as its level, brighter where it changed; frames for what is selected, taken over or shared.
@@ -258,6 +274,8 @@ class UniversesPanel final : public Panel {
   bool fresh_ = true;  // no levels of this universe were taken yet
   SlotChanges changes_;
   CompareView compare_;
+  bool nine_ = false;  // maps of a page of universes
+  UniverseMaps maps_;
   TimeNs now_ns_ = 0;  // of changes_
   std::size_t last_under_ = 0;
 };

@@ -1,0 +1,218 @@
+// MVR-xchange beside a window: with stations of the test, on 127.0.0.1.
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <poll.h>
+
+#include "drivers/net/mvr_xchange_tcp.h"
+#include "fixtures/files/export/mvr.h"
+#include "fixtures/files/import/import_rig.h"
+#include "sim/system_clock.h"
+#include "tests/support/must.h"
+#include "tests/support/temp_folder.h"
+#include "tools/footlight/mvr/mvr_exchange.h"
+
+namespace footlight::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using tools::ExchangeView;
+using tools::MvrExchange;
+using Kind = MvrExchange::Event::Kind;
+
+constexpr std::uint32_t kHere = 0x7F000001;
+constexpr const char* kRig = R"([rig]
+name = "Club"
+[[fixture]]
+name = "Par {}"
+type = "generic/par"
+universe = 1
+address = 1
+count = 3
+position = [0, 0, 4]
+)";
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+fixtures::ImportedRig some_rig() { return fixtures::as_imported(must(fixtures::parse_rig(kRig, "rig.toml")), "toml"); }
+
+// A station that answers on a thread.
+class OtherStation {
+ public:
+  explicit OtherStation(const std::string& content) : station_("Desk", "4aa291a1-1a62-45fe-aabc-e90e5e2399a8") {
+    drivers::MvrCommit commit;
+    commit.file_uuid = "11111111-2222-4333-8444-555555555555";
+    commit.file_name = "../../tour.mvr";
+    station_.offer(commit, std::make_shared<std::vector<std::uint8_t>>(content.begin(), content.end()));
+    server_ = must(drivers::MvrServer::open({kHere, 0}, station_));
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      SystemClock clock;
+      std::vector<pollfd> waiting;
+      while (!stop.stop_requested()) {
+        server_->step(clock.now_ns());
+        server_->add_descriptors(waiting);
+        (void)::poll(waiting.data(), waiting.size(), 20);
+        waiting.clear();
+      }
+    });
+  }
+  [[nodiscard]] std::string address() const { return fmt::format("127.0.0.1:{}", server_->port()); }
+
+ private:
+  drivers::MvrStation station_;
+  std::unique_ptr<drivers::MvrServer> server_;
+  std::jthread thread_;
+};
+
+// Looks until a condition holds.
+class Looking {
+ public:
+  explicit Looking(MvrExchange& exchange) : exchange_(exchange) {}
+  template <class Condition>
+  bool until(Condition condition) {
+    SystemClock clock;
+    for (const TimeNs end_ns = clock.now_ns() + 60 * kNsPerS; clock.now_ns() < end_ns;) {
+      (void)exchange_.look(view);
+      for (auto& event : exchange_.take_events()) events.push_back(std::move(event));
+      if (condition()) return true;
+      exchange_.wait_for_news(kNsPerS / 4);
+    }
+    return false;
+  }
+  [[nodiscard]] const MvrExchange::Event* event(Kind kind) const {
+    const auto at = std::find_if(events.begin(), events.end(), [&](const auto& one) { return one.kind == kind; });
+    return at == events.end() ? nullptr : &*at;
+  }
+  ExchangeView view;
+  std::vector<MvrExchange::Event> events;
+
+ private:
+  MvrExchange& exchange_;
+};
+
+MvrExchange::Options quiet() {
+  MvrExchange::Options options;
+  options.finds = false;
+  options.listen_ipv4 = kHere;
+  options.station_name = "Window";
+  return options;
+}
+
+std::string exported(const TempFolder& folder) {
+  must(fixtures::export_mvr(some_rig(), folder.file("made.mvr")));
+  return read_file(folder.file("made.mvr"));
+}
+
+TEST_CASE("a rig of another station is received beside the present one, and is a rig") {
+  const TempFolder folder;
+  const std::string content = exported(folder);
+  const OtherStation desk(content);
+  MvrExchange exchange(quiet());
+  Looking looking(exchange);
+  exchange.add(desk.address());
+  REQUIRE(looking.until([&] { return !looking.view.stations.empty() && looking.view.stations[0].joined; }));
+  const ExchangeView::Station& station = looking.view.stations[0];
+  CHECK(station.name == "Desk");
+  REQUIRE(station.files.size() == 1);
+  CHECK(station.files[0].bytes == content.size());
+  std::ofstream(folder.file("tour.mvr")) << "another one";
+  exchange.receive({station.address, station.files[0].uuid, station.files[0].name}, folder.file(""));
+  REQUIRE(looking.until([&] { return looking.event(Kind::kReceived) != nullptr; }));
+  const MvrExchange::Event& event = *looking.event(Kind::kReceived);
+  CHECK(fs::path(event.path).filename() == "tour 2.mvr");  // nothing is replaced, and no other folder is written
+  CHECK(fs::equivalent(fs::path(event.path).parent_path(), folder.file("")));
+  CHECK(read_file(event.path) == content);
+  CHECK(event.text.find("3 fixtures") != std::string::npos);
+  CHECK(looking.event(Kind::kError) == nullptr);
+}
+
+TEST_CASE("what a station sends and is no rig leaves nothing but a message") {
+  const TempFolder folder;
+  const OtherStation desk("no rig");
+  MvrExchange exchange(quiet());
+  Looking looking(exchange);
+  exchange.add(desk.address());
+  REQUIRE(looking.until([&] { return !looking.view.stations.empty() && looking.view.stations[0].joined; }));
+  exchange.receive({desk.address(), "", ""}, folder.file(""));
+  REQUIRE(looking.until([&] { return looking.event(Kind::kError) != nullptr; }));
+  CHECK(fs::is_empty(folder.file("")));
+  CHECK(looking.event(Kind::kReceived) == nullptr);
+  // A station that is not there, and an address that is none.
+  looking.events.clear();
+  exchange.receive({"127.0.0.1:9", "", ""}, folder.file(""));
+  exchange.add("nonsense");
+  REQUIRE(looking.until([&] { return looking.events.size() >= 2; }));
+  CHECK(looking.events[0].text.find("127.0.0.1:9 is gone") != std::string::npos);
+  CHECK(looking.events[1].text.find("expected the address of a station") != std::string::npos);
+}
+
+TEST_CASE("the present rig is shared, is received by others, and no longer after that") {
+  const TempFolder folder;
+  MvrExchange exchange(quiet());
+  Looking looking(exchange);
+  exchange.share(std::make_shared<const fixtures::ImportedRig>(some_rig()), "club.mvr");
+  REQUIRE(looking.until([&] { return !looking.view.sharing.empty(); }));
+  REQUIRE(looking.event(Kind::kNews) != nullptr);
+  const std::string& news = looking.event(Kind::kNews)->text;
+  CHECK(news.find("'Window'") != std::string::npos);
+  const std::string address = "127.0.0.1:" + news.substr(news.rfind(' ') + 1);
+  MvrExchange other(quiet());
+  Looking other_looking(other);
+  other.add(address);
+  REQUIRE(other_looking.until(
+      [&] { return !other_looking.view.stations.empty() && !other_looking.view.stations[0].files.empty(); }));
+  CHECK(other_looking.view.stations[0].files[0].name == "club.mvr");
+  other.receive({address, other_looking.view.stations[0].files[0].uuid, "club.mvr"}, folder.file(""));
+  REQUIRE(other_looking.until([&] { return other_looking.event(Kind::kReceived) != nullptr; }));
+  CHECK(must(fixtures::import_rig(folder.file("club.mvr"))).rig.fixtures.size() == 3);
+  exchange.stop_sharing();
+  REQUIRE(looking.until([&] { return looking.view.sharing.empty(); }));
+  MvrExchange late(quiet());
+  Looking late_looking(late);
+  late.add(address);
+  REQUIRE(late_looking.until(
+      [&] { return !late_looking.view.stations.empty() && !late_looking.view.stations[0].trouble.empty(); }));
+  CHECK(!late_looking.view.stations[0].joined);
+}
+
+TEST_CASE("an exchange that is stopped ends by itself") {
+  MvrExchange exchange(quiet());
+  Looking looking(exchange);
+  REQUIRE(looking.until([&] { return looking.view.on; }));
+  exchange.stop();
+  CHECK(looking.until([&] { return exchange.ended(); }));
+}
+
+TEST_CASE("the name of a received file has no folder, is new, and is one in any case") {
+  const TempFolder folder;
+  const std::string here = folder.file("");
+  const auto name = [&](const std::string& proposed, const std::string& station = "Desk") {
+    return fs::path(tools::received_path(here, proposed, station)).filename().string();
+  };
+  CHECK(name("tour.mvr") == "tour.mvr");
+  CHECK(name("Tour.MVR") == "Tour.mvr");
+  CHECK(name("..\\..\\boot.mvr") == "boot.mvr");
+  CHECK(name("/etc/passwd") == "passwd.mvr");
+  CHECK(name("...hidden") == "hidden.mvr");
+  CHECK(name("") == "Desk.mvr");
+  CHECK(name("", "../") == "received.mvr");
+  CHECK(name(std::string(400, 'a')).size() < 110);
+  std::ofstream(folder.file("tour.mvr")) << "x";
+  CHECK(name("tour.mvr") == "tour 2.mvr");
+}
+
+}  // namespace
+}  // namespace footlight::testing
