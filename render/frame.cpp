@@ -38,9 +38,21 @@ struct StepPush {
 
 Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures::Rig& rig,
                                              const fixtures::CompiledRig& compiled, const FrameSettings& settings,
-                                             const PassList& passes) {
+                                             const PassList& passes, const FrameSettings* first) {
   std::unique_ptr<Frame> frame(new Frame(device, passes));
   FL_TRY(frame->check_settings(settings));
+  const FrameSettings& begun = first != nullptr ? *first : settings;
+  frame->needs_ = compiled.needs;
+  frame->haze_ = rig.haze;
+  {
+    RigTables none;  // pipelines are compiled beside the tables, which do not exist yet
+    none.has_bodies = has_bodies(compiled.needs, settings);
+    Resources empty{.rig = none};
+    FrameSettings soon = frame->suited(begun);
+    none.shadow_map_px = soon.shadow_map_px =
+        suited_map_px({rig, compiled, compiled.needs, soon}, device.limits().maxStorageBufferRange);
+    frame->begin_pipelines(soon, empty);
+  }
   FrameSettings widest = settings;  // the tables are those of every setting that change() may bring
   widest.haze = true;
   widest.method = BeamMethod::kGauss;
@@ -57,7 +69,6 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   }
   FL_ASSIGN(frame->resources_.rig, RigTables::create(device, {rig, compiled, compiled.needs, widest}, used));
   FL_TRY(frame->films_.create(device, {rig, compiled, compiled.needs, widest}));
-  frame->needs_ = compiled.needs;
   const std::vector<bool> only_pixels = fixtures::pixel_universes(rig, compiled);
   for (std::size_t i = 0; i < only_pixels.size(); ++i) {
     if (only_pixels[i]) continue;
@@ -66,7 +77,6 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
     if (ranges.empty() || ranges.back().first + ranges.back().size != at) ranges.push_back({at, 0});
     ranges.back().size += kSlotCountMax;
   }
-  frame->haze_ = rig.haze;
   frame->ambient_lx_ = rig.ambient_lx;
   frame->mirror_plane_ = MirrorPlane(rig);
   frame->machines_ = fixtures::MachineAir::make(rig, compiled);
@@ -80,7 +90,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   if (device.facts().timestamp_bits > 0) {
     FL_TRY(vk::check(vkCreateQueryPool(device.handle, &query, nullptr, &frame->times_), "vkCreateQueryPool"));
   }
-  FL_TRY(frame->change(settings));
+  FL_TRY(frame->change(begun));
   return frame;
 }
 
@@ -133,9 +143,7 @@ Status Frame::check_settings(const FrameSettings& settings) const {
   return {};
 }
 
-Status Frame::change(const FrameSettings& requested) {
-  FL_TRY(check_settings(requested));
-  FrameSettings settings = requested;
+FrameSettings Frame::suited(FrameSettings settings) const {
   const bool cpu = device_.is_software();
   if (settings.gobo_method == GoboMethod::kSuited) {
     settings.gobo_method = cpu ? GoboMethod::kTaps : GoboMethod::kTables;
@@ -144,6 +152,27 @@ Status Frame::change(const FrameSettings& requested) {
     // A CPU draws the demo's bodies at 640 x 360 in half the time with its rasteriser, and thousands in the same time.
     settings.small_body_px = cpu ? 0 : FL_SMALL_BODY_PX;
   }
+  return settings;
+}
+
+void Frame::begin_pipelines(const FrameSettings& settings, Resources& resources) {
+  const fixtures::Needs needs = drawn_needs(needs_, haze_, settings);
+  const PassList& own = product_passes();  // others may make more than pipelines
+  for (const PassEntry* entry : entries_) {
+    if (std::find(own.begin(), own.end(), entry) == own.end() || !entry->needed(needs, settings)) continue;
+    (void)entry->create({device_, resources, settings, entry->constants(needs, settings), true});  // change() fails, too
+  }
+}
+
+void Frame::compile_ahead(const FrameSettings& requested) {
+  FrameSettings settings = suited(requested);
+  settings.shadow_map_px = resources_.rig.shadow_map_px;
+  begin_pipelines(settings, resources_);
+}
+
+Status Frame::change(const FrameSettings& requested) {
+  FL_TRY(check_settings(requested));
+  FrameSettings settings = suited(requested);
   const fixtures::Needs needs = drawn_needs(needs_, haze_, settings);
   if (has_bodies(needs, settings) && !resources_.rig.has_bodies) {
     return fail(ErrorCode::kBadInput, "bodies were left out when the frame was made: expected a new frame");
@@ -210,7 +239,7 @@ Status Frame::change(const FrameSettings& requested) {
     FL_ASSIGN(mirror_, Mirror::create(device_, resources_, needs, settings, entries_));
   }
   has_step_ = draws(kStepPass);
-  return {};
+  return device_.pipelines().finish();
 }
 
 bool Frame::draws(const PassEntry& entry) const {

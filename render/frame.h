@@ -62,10 +62,13 @@ struct PassTime {
 
 class Frame {
  public:
+  // first: settings of the first pictures, if they have less than `settings`, which change() is to bring; null: the
+  // same.
   [[nodiscard]] static Result<std::unique_ptr<Frame>> create(vk::Device& device, const fixtures::Rig& rig,
                                                              const fixtures::CompiledRig& compiled,
                                                              const FrameSettings& settings,
-                                                             const PassList& passes = product_passes());
+                                                             const PassList& passes = product_passes(),
+                                                             const FrameSettings* first = nullptr);
   ~Frame();
   // Takes other settings from the next record() on. Heads keep their states; models and images are not read again. The
   // images of another size replace the old ones, which are freed first. A pipeline is compiled the first time that its
@@ -73,6 +76,9 @@ class Frame {
   // kBadInput, with nothing changed, where the settings are wrong, or where they have bodies that create() was to leave
   // out. After any other error only change() may follow.
   Status change(const FrameSettings& requested);
+  // Begins to compile what change() to these settings needs, beside the pictures: it is quick once
+  // Device::pipelines() have finished(). Until then no other thread may use these.
+  void compile_ahead(const FrameSettings& requested);
   Frame(const Frame&) = delete;
   Frame& operator=(const Frame&) = delete;
 
@@ -174,6 +180,8 @@ class Frame {
   };
   Frame(vk::Device& device, const PassList& passes);
   Status check_settings(const FrameSettings& settings) const;
+  [[nodiscard]] FrameSettings suited(FrameSettings settings) const;
+  void begin_pipelines(const FrameSettings& settings, Resources& resources);
   [[nodiscard]] bool draws(const PassEntry& entry) const;
   void hold_newest();
   void upload_levels(VkCommandBuffer commands, const PendingStep& pending);

@@ -95,6 +95,10 @@ void Preview::print_summary() {
   line["seconds"] = elapsed_s;
   line["first_text_ms"] = static_cast<double>(progress_ns_) * 1e-6;
   line["first_picture_ms"] = static_cast<double>(picture_ns_) * 1e-6;
+  line["first_whole_picture_ms"] = static_cast<double>(whole_ns_) * 1e-6;
+  nlohmann::json start = nlohmann::json::object();
+  for (const auto& [ended, ms] : start_marks_) start[ended] = ms;
+  line["start_ms"] = start;
   line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
   line["ui_fps"] = elapsed_s > 0 ? static_cast<double>(turn_times_.count()) / elapsed_s : 0;
   line["validation_messages"] = validation_messages();

@@ -41,6 +41,14 @@ Status Preview::follow_flashes() {
   return {};
 }
 
+// Between two pictures: after the first one, which is there soon because it is rough, the pipelines of whole pictures
+// are compiled beside rough ones.
+void Preview::follow_first_picture(const PixelRect& where) {
+  if (!is_rough_ || times_.count() == 0) return;
+  if (!std::exchange(compiles_whole_, true)) frame_->compile_ahead(frame_settings(where, false));
+  if (times_out_ || device_->pipelines().finished()) is_rough_ = false;
+}
+
 // The curves of this machine, which take seconds to measure the first time. Any thread.
 Result<render::KnobCurves> Preview::read_curves() {
   KnobCurveOptions curve_options = suited_curve_options(*device_);

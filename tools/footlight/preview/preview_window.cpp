@@ -26,6 +26,13 @@ constexpr DurationNs kFactsNs = 100 * kNsPerMs;    // from one moment that the s
 constexpr DurationNs kLossPauseNs = 60 * kNsPerS;  // devices that are lost sooner one after the other are counted
 constexpr int kLossesMax = 3;
 
+// A side of a rough picture of w x h pixels has so many times fewer.
+int rough_divisor(int width, int height, std::uint32_t beams) {
+  constexpr double kPixelsTimesBeams = 15e6;  // less than a second of software on two cores
+  const double whole = static_cast<double>(width) * height * beams;
+  return static_cast<int>(std::clamp(std::ceil(std::sqrt(whole / kPixelsTimesBeams)), 2.0, 5.0));
+}
+
 // What the camera makes of the light.
 void take_display(const PreviewControls& controls, render::FrameSettings& settings) {
   settings.glare = static_cast<double>(controls.glare_percent) / 100;
@@ -105,7 +112,7 @@ Status Preview::turn() {
   last_ns_ = now_ns;
   times_out_ = options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9;
   FL_TRY(take_picture());
-  if (times_out_ && (times_.count() > 0 || window_->minimised())) {  // a short time still shows a picture
+  if (times_out_ && ((times_.count() > 0 && !is_rough_) || window_->minimised())) {  // a short time still shows a picture
     closing_ = true;
     window_->keep_shot();
   }
@@ -131,13 +138,15 @@ Status Preview::turn() {
   if (presented_) show_times_.add(static_cast<double>(clock_.now_ns() - shows_ns) * 1e-6);
   if (presented_) shot_taken_ = std::exchange(shot_asked_, false);
   if (presented_ && picture_ns_ < 0 && times_.count() > 0) picture_ns_ = clock_.now_ns() - begun_ns_;
+  if (presented_ && whole_ns_ < 0 && times_.count() > 0 && !shows_rough_) whole_ns_ = clock_.now_ns() - begun_ns_;
   return {};
 }
 
 // All that touches the frame between two pictures, and the beginning of the next one.
 Status Preview::turn_stage(const PixelRect& where) {
+  follow_first_picture(where);
   FL_ASSIGN(bool still, follow_quality());
-  if (!still) {  // one other thread at a time uses the device
+  if (!still && !is_rough_) {  // one other thread at a time uses the device
     FL_ASSIGN(still, follow_edits(where));
   }
   if (still) {
@@ -167,15 +176,15 @@ bool Preview::fits_controls(const PixelRect& where) {
     wanted_since_ns_ = last_ns_;
   }
   const render::FrameSettings& settings = frame_->settings();
-  const bool other_size = settings.width != std::max(where.width / controls_.divisor, 1) ||
-                          settings.height != std::max(where.height / controls_.divisor, 1);
+  const render::FrameSettings wanted = frame_settings(where, is_rough_);
+  const bool other_size = settings.width != wanted.width || settings.height != wanted.height;
   render::Knobs knobs = knobs_;
   knobs.nodes = static_cast<std::uint32_t>(controls_.nodes);
   render::Knobs drawn = render::knobs_of(settings);
   drawn.divisor = knobs.divisor;  // a part of the size
   if (knobs.gobo_method == render::GoboMethod::kSuited) drawn.gobo_method = knobs.gobo_method;
   const bool settled = last_ns_ - wanted_since_ns_ >= kSettleNs && !window_->minimised();
-  return drawn == knobs && controls_.haze == settings.haze && !other_display(controls_, settings) &&
+  return drawn == knobs && wanted.edge_samples == settings.edge_samples && controls_.haze == settings.haze && !other_display(controls_, settings) &&
          !(other_size && settled);
 }
 
@@ -221,6 +230,7 @@ Status Preview::take_picture() {
     if (facts_.flashes_held) return {};
   }
   shown_camera_ = drawn_camera_;
+  shows_rough_ = is_rough_;
   return window_->set_picture(picture);
 }
 
@@ -308,23 +318,30 @@ Status Preview::update_error() {
     error_.reset();
     facts_.error = {};
     error_tried_ = false;
-  } else if (!error_ && !error_tried_) {
-    error_tried_ = true;
+  } else if (!error_ && !error_tried_ && !is_rough_) {
     const fixtures::Needs& needs = framed_->compiled.needs;
-    if (needs.laser || needs.panes || needs.displays) return {};  // it computes beams again, and nothing else
+    const bool measures = !needs.laser && !needs.panes && !needs.displays;  // it computes beams again, and nothing else
+    if (measures && !error_begun_) render::LiveError::compile_ahead(*device_, frame_->settings(), needs);
+    error_begun_ = true;
+    if (!times_out_ && !device_->pipelines().finished()) return {};  // pictures go on without it
+    error_tried_ = true;
+    if (!measures) return {};
     FL_ASSIGN(error_, render::LiveError::create(*device_, *frame_, needs));
   }
   return {};
 }
 
 // The current size, nodes and haze.
-render::FrameSettings Preview::frame_settings(const PixelRect& where) const {
+render::FrameSettings Preview::frame_settings(const PixelRect& where, bool rough) const {
   render::FrameSettings settings;
-  settings.width = std::max(where.width / controls_.divisor, 1);
-  settings.height = std::max(where.height / controls_.divisor, 1);
+  int divisor = controls_.divisor;
+  if (rough) divisor *= rough_divisor(where.width / divisor, where.height / divisor, framed_->compiled.beams_max);
+  settings.width = std::max(where.width / divisor, 1);
+  settings.height = std::max(where.height / divisor, 1);
   settings = render::with_knobs(settings, knobs_);
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
   settings.edge_samples = options_.edge_samples.value_or(render::suited_edge_samples(*device_));
+  if (rough) settings.edge_samples = 0;
   settings.shadows = options_.display.shadows;
   settings.shadow_map_px = options_.display.shadow_map_px;
   settings.bounce = options_.bounce;
@@ -335,13 +352,14 @@ render::FrameSettings Preview::frame_settings(const PixelRect& where) const {
 
 // A frame of these settings. The states of the fixtures move from the old frame to the new one.
 Status Preview::rebuild(const PixelRect& where) {
-  const render::FrameSettings settings = frame_settings(where);
+  const render::FrameSettings settings = frame_settings(where, is_rough_);
   error_.reset();
-  error_tried_ = error_drawn_ = false;
+  error_tried_ = error_begun_ = error_drawn_ = false;
   if (frame_) {
     FL_TRY(frame_->change(settings));
   } else {
-    FL_ASSIGN(frame_, render::Frame::create(*device_, framed_->rig, framed_->compiled, settings));
+    FL_ASSIGN(frame_, render::Frame::create(*device_, framed_->rig, framed_->compiled, frame_settings(where, false),
+                                            render::product_passes(), &settings));
     videos_.show_all_again();
     print_warnings(frame_->resources().rig.diagnostics);
     if (hand_) frame_->settle_machine_air(hand_->levels());

@@ -93,6 +93,7 @@ class Preview {
   Status make_ladder();
   Result<render::KnobCurves> read_curves();
   void take_curves(const render::KnobCurves& curves);
+  void mark_start(const char* ended);
   Result<bool> wait_for(std::future<Status>& work, const StopSignal& signal, const char* what);
   Status show_progress(const char* what);
 
@@ -102,9 +103,10 @@ class Preview {
   Status take_picture();
   Status turn_stage(const PixelRect& where);
   [[nodiscard]] bool fits_controls(const PixelRect& where);
-  [[nodiscard]] render::FrameSettings frame_settings(const PixelRect& where) const;
+  [[nodiscard]] render::FrameSettings frame_settings(const PixelRect& where, bool rough) const;
   Status rebuild(const PixelRect& where);
   Status update_error();
+  void follow_first_picture(const PixelRect& where);
   void follow_knobs(const render::KnobPoint& point);
   Status draw();
   Status read_picture();
@@ -293,7 +295,11 @@ class Preview {
   render::vk::Buffer counts_;                 // of the current picture, for the panel
   std::unique_ptr<render::LiveError> error_;  // while the panel shows it; null in a rig without light
   render::Knobs knobs_;                       // but for nodes and divisor, which are those of controls_
+  bool error_begun_ = false;                  // what error_ needs is being compiled
   bool error_tried_ = false;                  // error_ was made, or cannot be
+  bool is_rough_ = false;                     // the first pictures: fewer pixels, no smooth edges; in software
+  bool shows_rough_ = false;                  // the window shows such a picture
+  bool compiles_whole_ = false;               // is_rough_ ends once the pipelines have finished
   bool error_drawn_ = false;                  // the current picture has its samples
   std::vector<render::KnobPoint> ladder_;     // for --error and --ms; else empty
   std::optional<render::TimeKeeper> keeper_;  // for --ms
@@ -357,6 +363,8 @@ class Preview {
   TimeNs begun_ns_ = 0;
   DurationNs progress_ns_ = -1;  // from there to the first text in the window; -1: not yet
   DurationNs picture_ns_ = -1;   // to the first picture
+  DurationNs whole_ns_ = -1;     // to the first one that is not rough
+  std::vector<std::pair<const char*, double>> start_marks_;  // what ended when, ms; until there is a frame
   TimeNs start_ns_ = 0;
   TimeNs last_ns_ = 0;            // when the last turn began
   TimeNs stepped_ns_ = 0;         // up to when the fixtures have moved
