@@ -16,7 +16,6 @@
 #include "render/passes/records.h"
 #include "render/passes/step.h"
 #include "render/passes/tonemap.h"
-#include "render/shadow_tables.h"
 
 namespace footlight::render {
 namespace {
@@ -44,15 +43,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   const FrameSettings& begun = first != nullptr ? *first : settings;
   frame->needs_ = compiled.needs;
   frame->haze_ = rig.haze;
-  {
-    RigTables none;  // pipelines are compiled beside the tables, which do not exist yet
-    none.has_bodies = has_bodies(compiled.needs, settings);
-    Resources empty{.rig = none};
-    FrameSettings soon = frame->suited(begun);
-    none.shadow_map_px = soon.shadow_map_px =
-        suited_map_px({rig, compiled, compiled.needs, soon}, device.limits().maxStorageBufferRange);
-    frame->begin_pipelines(soon, empty);
-  }
+  frame->compile_beside_tables(rig, compiled, begun);
   FrameSettings widest = settings;  // the tables are those of every setting that change() may bring
   widest.haze = true;
   widest.method = BeamMethod::kGauss;
@@ -141,33 +132,6 @@ Status Frame::check_settings(const FrameSettings& settings) const {
                 settings.height, size_max, size_max, device_.name());
   }
   return {};
-}
-
-FrameSettings Frame::suited(FrameSettings settings) const {
-  const bool cpu = device_.is_software();
-  if (settings.gobo_method == GoboMethod::kSuited) {
-    settings.gobo_method = cpu ? GoboMethod::kTaps : GoboMethod::kTables;
-  }
-  if (settings.small_body_px < 0) {
-    // A CPU draws the demo's bodies at 640 x 360 in half the time with its rasteriser, and thousands in the same time.
-    settings.small_body_px = cpu ? 0 : FL_SMALL_BODY_PX;
-  }
-  return settings;
-}
-
-void Frame::begin_pipelines(const FrameSettings& settings, Resources& resources) {
-  const fixtures::Needs needs = drawn_needs(needs_, haze_, settings);
-  const PassList& own = product_passes();  // others may make more than pipelines
-  for (const PassEntry* entry : entries_) {
-    if (std::find(own.begin(), own.end(), entry) == own.end() || !entry->needed(needs, settings)) continue;
-    (void)entry->create({device_, resources, settings, entry->constants(needs, settings), true});  // change() fails, too
-  }
-}
-
-void Frame::compile_ahead(const FrameSettings& requested) {
-  FrameSettings settings = suited(requested);
-  settings.shadow_map_px = resources_.rig.shadow_map_px;
-  begin_pipelines(settings, resources_);
 }
 
 Status Frame::change(const FrameSettings& requested) {
@@ -280,7 +244,8 @@ void Frame::hold_newest() {
   pending_bytes_ += held.size();
 }
 
-void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev) {
+void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev, bool adapts) {
+  adapts_ = adapts;
   if (times_ != VK_NULL_HANDLE) vkCmdResetQueryPool(commands, times_, 0, marks_max(entries_));
   timed_.clear();
   resources_.rig.display_cells_fresh = false;
@@ -299,7 +264,7 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
     mark(commands, "mirror");
   }
   record_passes(commands, false);
-  adapt_ns_ = 0;
+  if (adapts) adapt_ns_ = 0;
   exposure_ev_ = exposure_ev;
 }
 
@@ -312,7 +277,8 @@ void Frame::record_passes(VkCommandBuffer commands, bool before_views) {
     if (plan_[i].name == kStepPass.name) {
       record_steps(commands, true);
     } else if (plan_[i].name == kTonemapPass.name) {
-      const auto kept = static_cast<float>(std::exp(-static_cast<double>(adapt_ns_) / kAdaptNs));
+      const double passed_ns = adapts_ ? static_cast<double>(adapt_ns_) : 0;
+      const auto kept = static_cast<float>(std::exp(-passed_ns / kAdaptNs));
       passes_[i]->record(commands, std::as_bytes(std::span(&kept, 1)));
     } else {
       if (plan_[i].name == beams_first && !has_solids_) clear_radiance(commands);

@@ -91,7 +91,9 @@ class Frame {
   // picture in VK_IMAGE_LAYOUT_GENERAL. Times can be read once the GPU is done with these commands.
   // The commands of the record() before must be finished: both use the same memory.
   // exposure_ev: with FrameSettings::auto_exposure that of pictures before the first light.
-  void record(VkCommandBuffer commands, const View& view, double exposure_ev);
+  // adapts: the automatic exposure follows this picture. Else it stays, and its time counts for the next one that does:
+  // for another view of the stage.
+  void record(VkCommandBuffer commands, const View& view, double exposure_ev, bool adapts = true);
 
   // The automatic exposure follows the light for dt_ns >= 0 before the next record(). Whatever the number of pictures,
   // it comes as near in the same time. The first picture with light in it has the exposure that suits it.
@@ -182,6 +184,8 @@ class Frame {
   Status check_settings(const FrameSettings& settings) const;
   [[nodiscard]] FrameSettings suited(FrameSettings settings) const;
   void begin_pipelines(const FrameSettings& settings, Resources& resources);
+  void compile_beside_tables(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
+                             const FrameSettings& requested);
   [[nodiscard]] bool draws(const PassEntry& entry) const;
   void hold_newest();
   void upload_levels(VkCommandBuffer commands, const PendingStep& pending);
@@ -225,7 +229,8 @@ class Frame {
   std::vector<LevelRange> stepped_;  // of the levels, bytes: universes that more than pixels of displays read
   std::unique_ptr<fixtures::MachineAir> machines_;  // may be null
   double work_light_lx_ = 0;
-  std::int64_t adapt_ns_ = 0;    // since the last record()
+  std::int64_t adapt_ns_ = 0;    // since the last record() that adapted
+  bool adapts_ = true;           // the last record()
   double exposure_ev_ = 0;       // of the last record()
   std::int64_t time_ns_ = 0;     // of all steps: clouds of haze drift by it
   glm::dvec3 haze_center_m_{0};  // of a sphere that all light in the air lies in

@@ -314,6 +314,16 @@ Status make_gobo_tables(vk::Device& device, const CompiledRig& compiled, const G
   });
 }
 
+// They are read beside the other tables, which take as long.
+Result<std::future<GoboTexels>> begin_gobos(const vk::Device& device, const MemoryShape& shape, bool used) {
+  if (!used) return std::future<GoboTexels>();
+  const std::vector<fixtures::ImageSource>& images = shape.compiled.images;
+  FL_TRY(check_gobos(device, images.size()));
+  const int size_px = gobo_size_px(shape.settings, images.size(), device.is_software());
+  const NoSignals no_signals;
+  return std::async(std::launch::async, [&images, size_px] { return read_gobos(images, size_px); });
+}
+
 // States of all lamps of a kind, by its number in FL_LAMPS.
 std::uint64_t lamp_bytes(const CompiledRig& compiled, std::uint32_t lamp) {
   return compiled.lamp_counts[lamp] * kLampStateBytes;
@@ -495,15 +505,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
     }
     FL_ASSIGN(r.boxes, vk::Buffer::table(device, boxes));
   }
-  std::future<GoboTexels> reading_gobos;  // beside what follows: they take as long
-  if (used[FL_BINDING_GOBOS]) {
-    FL_TRY(check_gobos(device, compiled.images.size()));
-    const int size_px = gobo_size_px(shape.settings, compiled.images.size(), device.is_software());
-    const NoSignals no_signals;
-    reading_gobos = std::async(std::launch::async, [&images = compiled.images, size_px] {
-      return read_gobos(images, size_px);
-    });
-  }
+  FL_ASSIGN(std::future<GoboTexels> reading_gobos, begin_gobos(device, shape, used[FL_BINDING_GOBOS]));
   fixtures::Diagnostics diagnostics;
   if (device.name().find("llvmpipe") != std::string::npos) add_lavapipe_limits(device, shape, diagnostics);
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);

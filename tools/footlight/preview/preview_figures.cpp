@@ -68,10 +68,18 @@ nlohmann::json figures_of(const PreviewFacts& facts, const Times& times, const r
 
 }  // namespace
 
+std::vector<std::uint64_t> Preview::view_pictures() const {
+  std::vector<std::uint64_t> pictures;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(desk_->views()); ++i) pictures.push_back(views_[i].pictures);
+  return pictures;
+}
+
 void Preview::print_second() {
   nlohmann::json line = figures_of(facts_, {times_, turn_times_, show_times_, ui_times_}, frame_->settings());
   line["event"] = "frames";
   line["fps"] = facts_.fps;
+  line["view"] = desk_->state().view;
+  line["view_pictures"] = view_pictures();
   line["selected"] = desk_->state().selection.fixtures.size();
   line["taken_over"] = desk_->state().taken.size();
   line["fixtures"] = desk_->rig().fixtures.size();
@@ -101,6 +109,7 @@ void Preview::print_summary() {
   line["start_ms"] = start;
   line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
   line["ui_fps"] = elapsed_s > 0 ? static_cast<double>(turn_times_.count()) / elapsed_s : 0;
+  line["view_pictures"] = view_pictures();
   line["validation_messages"] = validation_messages();
   fmt::print("{}\n", line.dump());
 }

@@ -88,6 +88,7 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   open_markers();
   desk_->list_definitions_in(fixtures::definition_folders(options_.library, edited_->file().target()));
   desk_->start_view(OrbitCamera(camera), {static_cast<float>(camera.exposure_ev), options_.display.auto_exposure});
+  start_views();
   show_exposure();
   FL_TRY(panels_.open_words(options_.panels, *desk_));
   desk_->set_handles(options_.handles);
@@ -120,7 +121,7 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   controls_.panel = window_->width() < kStripWidth ? PanelState::kStrip : PanelState::kFull;
   if (device_->is_software()) {
     // One picture every few seconds is too slow: start with fewer pixels; the user can select all of them.
-    const int pixels = place().width * place().height;
+    const int pixels = place_of(0).width * place_of(0).height;
     while (controls_.divisor < 4 && pixels / (controls_.divisor * controls_.divisor) > kSoftwarePixels) {
       controls_.divisor *= 2;
     }
@@ -178,7 +179,7 @@ Result<bool> Preview::open(const StopSignal& signal) {
   window_->set_title(title_);
   FL_TRY(show_progress("Preparing the picture"));
   FL_TRY(set_controls(camera));
-  const PixelRect where = place();
+  const PixelRect where = place_of(0);
   std::future<Status> making = begin([this, where]() -> Status {
     FL_TRY(make_ladder());
     FL_TRY(rebuild(where));

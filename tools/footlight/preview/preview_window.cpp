@@ -112,7 +112,7 @@ Status Preview::turn() {
   last_ns_ = now_ns;
   times_out_ = options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9;
   FL_TRY(take_picture());
-  if (times_out_ && ((times_.count() > 0 && !is_rough_) || window_->minimised())) {  // a short time still shows a picture
+  if (times_out_ && (shows_all() || window_->minimised())) {  // a short time still shows a picture
     closing_ = true;
     window_->keep_shot();
   }
@@ -120,7 +120,7 @@ Status Preview::turn() {
   if (std::exchange(shot_taken_, false)) write_own_shot();
   keep_edits();
   keep_markers();
-  const PixelRect where = place();
+  const PixelRect where = place_of(0);  // all have its size
   follow_hand();
   report_recording(false);
   if (picture_->in_flight()) {
@@ -133,12 +133,17 @@ Status Preview::turn() {
   presented_ = false;
   if (window_->minimised()) return {};
   const TimeNs shows_ns = clock_.now_ns();
-  FL_ASSIGN(const Window::Shown shown, window_->show(where));
+  std::array<PixelRect, kViewsMax> places;
+  const auto views = static_cast<std::size_t>(desk_->views());
+  for (std::size_t i = 0; i < views; ++i) places[i] = place_of(static_cast<int>(i));
+  FL_ASSIGN(const Window::Shown shown, window_->show(std::span(places).first(views)));
   presented_ = shown == Window::Shown::kNew;
   if (presented_) show_times_.add(static_cast<double>(clock_.now_ns() - shows_ns) * 1e-6);
   if (presented_) shot_taken_ = std::exchange(shot_asked_, false);
-  if (presented_ && picture_ns_ < 0 && times_.count() > 0) picture_ns_ = clock_.now_ns() - begun_ns_;
-  if (presented_ && whole_ns_ < 0 && times_.count() > 0 && !shows_rough_) whole_ns_ = clock_.now_ns() - begun_ns_;
+  if (presented_ && times_.count() > 0) {
+    if (picture_ns_ < 0) picture_ns_ = clock_.now_ns() - begun_ns_;
+    if (whole_ns_ < 0 && !shows_rough_) whole_ns_ = clock_.now_ns() - begun_ns_;
+  }
   return {};
 }
 
@@ -154,6 +159,7 @@ Status Preview::turn_stage(const PixelRect& where) {
     picture_since_ns_ = -1;  // the time until the next picture is not its own
     return {};
   }
+  FL_TRY(follow_views());
   FL_TRY(follow_flashes());
   if (!fits_controls(where)) FL_TRY(rebuild(where));
   FL_TRY(update_error());
@@ -183,9 +189,10 @@ bool Preview::fits_controls(const PixelRect& where) {
   render::Knobs drawn = render::knobs_of(settings);
   drawn.divisor = knobs.divisor;  // a part of the size
   if (knobs.gobo_method == render::GoboMethod::kSuited) drawn.gobo_method = knobs.gobo_method;
-  const bool settled = last_ns_ - wanted_since_ns_ >= kSettleNs && !window_->minimised();
-  return drawn == knobs && wanted.edge_samples == settings.edge_samples && controls_.haze == settings.haze && !other_display(controls_, settings) &&
-         !(other_size && settled);
+  const bool settled =
+      (last_ns_ - wanted_since_ns_ >= kSettleNs || sized_views_ != desk_->views()) && !window_->minimised();
+  return drawn == knobs && wanted.edge_samples == settings.edge_samples && controls_.haze == settings.haze &&
+         !other_display(controls_, settings) && !(other_size && settled);
 }
 
 // Begins a picture.
@@ -193,19 +200,22 @@ Status Preview::draw() {
   const VkImage screen = frame_->resources().picture.screen.handle;
   const render::FrameSettings& settings = frame_->settings();
   drawn_ns_ = last_ns_;
-  drawn_camera_ = desk_->state().camera;
+  const int active = desk_->state().view;
+  drawn_view_ = view_turns_.next(desk_->views(), active);
+  drawn_camera_ = desk_->camera_of(drawn_view_);
   if (picture_since_ns_ < 0) picture_since_ns_ = drawn_ns_;
   return picture_->begin(screen, settings.width, settings.height, [&](VkCommandBuffer commands) {
     frame_->set_haze_per_m(haze_per_m());
     frame_->set_work_light_lx(controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0);
-    frame_->record(commands, render::view_of(drawn_camera_->camera()), controls_.exposure_ev);
-    error_drawn_ = error_ != nullptr;
-    if (error_) error_->record(commands);
+    frame_->record(commands, render::view_of(drawn_camera_->camera()), controls_.exposure_ev, drawn_view_ == active);
+    error_drawn_ = error_ && drawn_view_ == active;
+    if (error_drawn_) error_->record(commands);
     render::vk::full_barrier(commands);
     const VkBufferCopy region{0, 0, sizeof(render::CountsRow)};
     vkCmdCopyBuffer(commands, frame_->resources().rig.counts.handle, counts_.handle, 1, &region);
     render::vk::host_barrier(commands);
-    if (flashes_) flashes_->record_read(commands, screen, settings.width, settings.height);
+    PreviewFlashes* flashes = views_[static_cast<std::size_t>(drawn_view_)].flashes.get();
+    if (flashes != nullptr) flashes->record_read(commands, screen, settings.width, settings.height);
   });
 }
 
@@ -216,22 +226,26 @@ Status Preview::take_picture() {
   if (!done) return {};
   const HostPicture picture = picture_->take();
   FL_TRY(read_picture());
+  View& view = views_[static_cast<std::size_t>(drawn_view_)];
+  ++view.pictures;
+  PreviewFlashes* flashes = view.flashes.get();
   // It was begun before they were to be held back, and nothing has looked at it.
-  if (desk_->flashes() == FlashMode::kLimit && (!flashes_ || !flashes_->limits())) return {};
-  if (flashes_) {
+  if (desk_->flashes() == FlashMode::kLimit && (flashes == nullptr || !flashes->limits())) return {};
+  if (flashes != nullptr) {
     const DurationNs at_ns = last_ns_ - start_ns_;
-    const std::size_t stretches = flashes_->watch().stretches().size();
-    if (flashes_->limits()) {
-      facts_.flashes_held = flashes_->must_wait(at_ns);
+    const std::size_t stretches = flashes->watch().stretches().size();
+    if (flashes->limits()) {
+      view.flashes_held = flashes->must_wait(at_ns);
     } else {
-      (void)flashes_->take(at_ns);
+      (void)flashes->take(at_ns);
     }
-    tell_flashes(flashes_->watch().stretches().size() > stretches);
-    if (facts_.flashes_held) return {};
+    tell_flashes(flashes->watch().stretches().size() > stretches);
+    if (view.flashes_held) return {};
   }
-  shown_camera_ = drawn_camera_;
+  if (drawn_view_ >= desk_->views()) return {};  // it was closed meanwhile
+  view.shown = drawn_camera_;
   shows_rough_ = is_rough_;
-  return window_->set_picture(picture);
+  return window_->set_picture(drawn_view_, picture);
 }
 
 // The figures of a picture that is done.
@@ -293,14 +307,21 @@ void Preview::read_second() {
 }
 
 void Preview::tell_flashes(bool begins) {
-  facts_.flashes_harmful = flashes_->watch().harmful();
+  facts_.flashes_harmful = facts_.flashes_held = false;
+  bool limits = false;
+  for (const View& view : views_) {
+    if (!view.flashes) continue;
+    facts_.flashes_harmful = facts_.flashes_harmful || view.flashes->watch().harmful();
+    facts_.flashes_held = facts_.flashes_held || view.flashes_held;
+    limits = view.flashes->limits();
+  }
   if (!begins) return;
   if (options_.json) {
     const nlohmann::json line = {{"event", "flashes-begin"}, {"time_ns", drawn_ns_ - start_ns_}};
     fmt::print("{}\n", line.dump());
   } else {
     fmt::print(stderr, "footlight: flashes that can harm people with photosensitive epilepsy{}\n",
-               flashes_->limits() ? "; held back" : "; --flashes limit holds them back");
+               limits ? "; held back" : "; --flashes limit holds them back");
   }
 }
 
@@ -367,6 +388,7 @@ Status Preview::rebuild(const PixelRect& where) {
   picture_since_ns_ = -1;
   wanted_width_ = where.width;
   wanted_height_ = where.height;
+  sized_views_ = desk_->views();
   return {};
 }
 
@@ -410,7 +432,7 @@ Status Preview::replace_stage() {
   facts_.measures_knobs = measures;  // on the new device
   error_.reset();
   frame_.reset();
-  flashes_.reset();
+  for (View& view : views_) view.flashes.reset();
   facts_.flashes_held = false;
   counts_ = {};
   device_.reset();
@@ -418,7 +440,7 @@ Status Preview::replace_stage() {
   facts_.device = device_->name();
   const TimeNs at_ns = player_ ? player_->now_ns() : 0;
   const SharedScene before = std::exchange(framed_, edited_->scene());
-  FL_TRY(rebuild(place()));
+  FL_TRY(rebuild(place_of(0)));
   if (before != framed_) {
     FL_TRY(take_scene(*before));
     if (player_) player_ = make_player(framed_);

@@ -49,6 +49,7 @@
 #include "tools/footlight/preview/ui/stage_box.h"
 #include "tools/footlight/preview/ui/stage_handles.h"
 #include "tools/footlight/preview/ui/stage_pick.h"
+#include "tools/footlight/preview/ui/stage_views.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
 #include "tools/footlight/preview/window.h"
 #include "tools/footlight/stop_signal.h"
@@ -217,8 +218,18 @@ class Preview {
   void show_exposure();
   void tell(std::string news, bool wrong = false);
   void tell(const Error& error) { tell(error.message, true); }
+  // Of all views, and of one; stage() is the active one.
   [[nodiscard]] PixelRect place() const;
+  [[nodiscard]] PixelRect place_of(int view) const { return view_place(place(), desk_->views(), view); }
   [[nodiscard]] StagePlace stage() const;
+  // Several views: preview_views.cpp.
+  void start_views();
+  void set_views(int views);
+  void call_views(bool next);
+  Status follow_views();
+  void take_active_view();
+  [[nodiscard]] bool shows_all() const;
+  void draw_views();
   [[nodiscard]] const StagePick& pick();
 
   // What the window remembers: preview_settings.cpp.
@@ -234,6 +245,7 @@ class Preview {
   void draw_open_question();
 
   // Figures and pictures for files and standard output: preview_figures.cpp.
+  [[nodiscard]] std::vector<std::uint64_t> view_pictures() const;
   void print_second();
   void print_summary();
   Status write_shot();
@@ -287,11 +299,20 @@ class Preview {
   std::unique_ptr<Window> window_;
   std::unique_ptr<render::vk::Device> device_;  // of the stage
   std::unique_ptr<render::Frame> frame_;
-  std::unique_ptr<PreviewFlashes> flashes_;   // null: --flashes off
   double refresh_hz_ = 60;                    // of the screen
   TimeNs drawn_ns_ = 0;                       // when the newest picture was started
   std::optional<OrbitCamera> drawn_camera_;   // of it
-  std::optional<OrbitCamera> shown_camera_;   // of the picture that the window shows; nothing: there is none
+  int drawn_view_ = 0;                        // of it
+  // A view of the stage. All are drawn by frame_, in turn, and have the same size.
+  struct View {
+    std::optional<OrbitCamera> shown;         // camera of the picture that the window shows; nothing: there is none
+    std::unique_ptr<PreviewFlashes> flashes;  // null: --flashes off
+    bool flashes_held = false;
+    std::uint64_t pictures = 0;
+  };
+  std::array<View, kViewsMax> views_;
+  ViewTurns view_turns_;
+  int shown_views_ = 1;  // that follow_views() has seen
   render::vk::Buffer counts_;                 // of the current picture, for the panel
   std::unique_ptr<render::LiveError> error_;  // while the panel shows it; null in a rig without light
   render::Knobs knobs_;                       // but for nodes and divisor, which are those of controls_
@@ -358,6 +379,7 @@ class Preview {
   FrameTimes times_;      // from picture to picture of the stage
   int wanted_width_ = 0;  // of the window's place for the picture when last looked at, and since when
   int wanted_height_ = 0;
+  int sized_views_ = 1;  // that frame_ has the size for
   TimeNs wanted_since_ns_ = 0;
 
   TimeNs begun_ns_ = 0;

@@ -98,7 +98,7 @@ void Window::detach() {
   }
   if (ImGui::GetCurrentContext() != nullptr) ImGui::DestroyContext();
   shot_ = {};
-  picture_ = {};
+  for (UploadedImage& picture : pictures_) picture = {};
   shown_.forget();
   damaged_ = true;
   mouse_.clear();
