@@ -85,7 +85,8 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   return frame;
 }
 
-Frame::Frame(vk::Device& device, const PassList& passes) : device_(device), entries_(passes) {}
+Frame::Frame(vk::Device& device, const PassList& passes, RigTables* shared)
+    : device_(device), resources_{.rig = shared != nullptr ? *shared : tables_}, entries_(passes) {}
 
 Status Frame::check_settings(const FrameSettings& settings) const {
   if (settings.nodes < 1 || (settings.method == BeamMethod::kGauss && settings.nodes > 8)) {

@@ -69,6 +69,12 @@ class Frame {
                                                              const FrameSettings& settings,
                                                              const PassList& passes = product_passes(),
                                                              const FrameSettings* first = nullptr);
+  // A frame of another size for pictures of the same rig: it has the tables of `owner`, which must outlive it, also the
+  // states of heads. So its pictures show where the heads of the owner are. It makes no steps. GPU memory: that of its
+  // images.
+  [[nodiscard]] static Result<std::unique_ptr<Frame>> create_beside(Frame& owner, const FrameSettings& settings);
+  // Before record() of a frame beside another one: takes the time and the air of its owner.
+  void follow(const Frame& owner);
   ~Frame();
   // Takes other settings from the next record() on. Heads keep their states; models and images are not read again. The
   // images of another size replace the old ones, which are freed first. A pipeline is compiled the first time that its
@@ -180,7 +186,8 @@ class Frame {
     std::int64_t dt_ns;
     bool new_exposure;
   };
-  Frame(vk::Device& device, const PassList& passes);
+  // shared: the tables of another frame; null: its own ones.
+  Frame(vk::Device& device, const PassList& passes, RigTables* shared = nullptr);
   Status check_settings(const FrameSettings& settings) const;
   [[nodiscard]] FrameSettings suited(FrameSettings settings) const;
   void begin_pipelines(const FrameSettings& settings, Resources& resources);
@@ -208,8 +215,8 @@ class Frame {
   fixtures::Needs needs_;  // of the rig, whatever the settings
   fixtures::Haze haze_;    // the room's own
   double ambient_lx_ = 0;
-  RigTables tables_;
-  Resources resources_{.rig = tables_};
+  RigTables tables_;  // empty if they are shared
+  Resources resources_;
   MirrorPlane mirror_plane_;
   std::unique_ptr<Mirror> mirror_;  // null: nothing mirrors
   DisplayFilms films_;

@@ -1,6 +1,7 @@
-// What a frame begins before it is needed: pipelines, which other threads compile.
+// What a frame begins before it is needed, pipelines that other threads compile, and frames beside another one.
 #include <algorithm>
 
+#include "fixtures/simulate/machines.h"
 #include "render/frame.h"
 #include "render/shadow_tables.h"
 
@@ -44,6 +45,24 @@ void Frame::compile_ahead(const FrameSettings& requested) {
   FrameSettings settings = suited(requested);
   settings.shadow_map_px = resources_.rig.shadow_map_px;
   begin_pipelines(settings, resources_);
+}
+
+Result<std::unique_ptr<Frame>> Frame::create_beside(Frame& owner, const FrameSettings& settings) {
+  std::unique_ptr<Frame> frame(new Frame(owner.device_, owner.entries_, &owner.resources_.rig));
+  frame->needs_ = owner.needs_;
+  frame->haze_ = owner.haze_;
+  frame->ambient_lx_ = owner.ambient_lx_;
+  frame->mirror_plane_ = owner.mirror_plane_;
+  frame->range_m_ = owner.range_m_;
+  frame->haze_center_m_ = owner.haze_center_m_;
+  frame->haze_radius_m_ = owner.haze_radius_m_;
+  FL_TRY(frame->change(settings));
+  return frame;
+}
+
+void Frame::follow(const Frame& owner) {
+  time_ns_ = owner.time_ns_;
+  set_haze_per_m(owner.haze_.scattering_per_m + (owner.machines_ ? owner.machines_->scattering_per_m() : 0));
 }
 
 }  // namespace footlight::render

@@ -171,6 +171,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       facts_.error = {};  // that of the rig from before
       error_tried_ = error_begun_ = error_drawn_ = false;
       picture_since_ns_ = -1;
+      thumbnails_.clear();
       frame_ = std::move((*made)->frame);
       videos_.show_all_again();
       if ((*made)->player) player_ = std::move((*made)->player);

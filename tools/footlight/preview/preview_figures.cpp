@@ -89,6 +89,8 @@ void Preview::print_second() {
   line["blackout"] = outputs_view_.darkness != Darkness::kNone;
   if (player_) line["time_ns"] = player_->now_ns();
   if (player_) line["stands"] = !controls_.transport.playing && !controls_.transport.seek_ns;
+  if (player_) line["thumbnails"] = thumbnails_.pictures().all().size();
+  if (player_) line["thumbnail_ms"] = static_cast<double>(thumbnails_.took_ns()) * 1e-6;
   if (player_ && player_->index() != nullptr) line["indexed_ns"] = player_->index()->known_ns();
   // Names of inputs are the user's, and need not be UTF-8.
   fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));

@@ -93,7 +93,9 @@ Status Preview::pace() {
   const bool waits_itself = presented_ && !device_->is_software();
   const DurationNs left_ns = last_ns_ + (waits_itself ? tick_ns / 2 : tick_ns) - clock_.now_ns();
   if (left_ns <= 0) return {};
-  if (picture_->in_flight() && clock_.now_ns() - drawn_ns_ > tick_ns) {
+  if (thumbnails_.in_flight()) {
+    FL_TRY(thumbnails_.done(static_cast<std::uint64_t>(left_ns)));
+  } else if (picture_->in_flight() && clock_.now_ns() - drawn_ns_ > tick_ns) {
     FL_TRY(picture_->done(static_cast<std::uint64_t>(left_ns)));
   } else {
     window_->pause(static_cast<double>(left_ns) * 1e-9);
@@ -111,6 +113,7 @@ Status Preview::turn() {
   turn_times_.add(static_cast<double>(dt_ns) * 1e-6);
   last_ns_ = now_ns;
   times_out_ = options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9;
+  FL_TRY(take_thumbnail());
   FL_TRY(take_picture());
   if (times_out_ && (shows_all() || window_->minimised())) {  // a short time still shows a picture
     closing_ = true;
@@ -123,7 +126,7 @@ Status Preview::turn() {
   const PixelRect where = place_of(0);  // all have its size
   follow_hand();
   report_recording(false);
-  if (picture_->in_flight()) {
+  if (picture_->in_flight() || thumbnails_.in_flight()) {
     FL_TRY(step_meanwhile());
   } else {
     FL_TRY(turn_stage(where));
@@ -171,7 +174,9 @@ Status Preview::turn_stage(const PixelRect& where) {
     picture_since_ns_ = -1;
     return frame_->run_steps();
   }
-  return closing_ ? Status{} : draw();
+  if (closing_) return {};
+  FL_TRY(begin_thumbnail());
+  return thumbnails_.in_flight() ? Status{} : draw();
 }
 
 // False: the frame has to be another one, for its size or its settings. A new size counts when it has settled.
@@ -376,6 +381,7 @@ Status Preview::rebuild(const PixelRect& where) {
   const render::FrameSettings settings = frame_settings(where, is_rough_);
   error_.reset();
   error_tried_ = error_begun_ = error_drawn_ = false;
+  thumbnails_.drop_frame();
   if (frame_) {
     FL_TRY(frame_->change(settings));
   } else {
@@ -426,6 +432,7 @@ Status Preview::replace_window() {
 Status Preview::replace_stage() {
   if (device_) messages_before_ += device_->validation_messages().size();
   drop_frame();
+  thumbnails_.drop_frame();
   picture_.reset();
   const bool measures = facts_.measures_knobs;
   drop_curves();
@@ -445,6 +452,7 @@ Status Preview::replace_stage() {
     FL_TRY(take_scene(*before));
     if (player_) player_ = make_player(framed_);
     curve_.reset();
+    thumbnails_.clear();
   }
   panels_.restart();
   last_ns_ = stepped_ns_ = clock_.now_ns();  // a log does not play meanwhile

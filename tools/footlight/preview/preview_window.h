@@ -35,6 +35,7 @@
 #include "tools/footlight/preview/live_levels.h"
 #include "tools/footlight/preview/live_outputs.h"
 #include "tools/footlight/preview/log_player.h"
+#include "tools/footlight/preview/log_thumbnails.h"
 #include "tools/footlight/preview/preview.h"
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
@@ -131,6 +132,8 @@ class Preview {
   [[nodiscard]] std::unique_ptr<LogPlayer> make_player(SharedScene scene);
   [[nodiscard]] LogPlayer::Driven driven();
   Status work_at_index();
+  Status take_thumbnail();
+  Status begin_thumbnail();
   void give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure);
   [[nodiscard]] std::span<const std::uint8_t> panel_levels();
   [[nodiscard]] bool overlays() const;
@@ -332,6 +335,7 @@ class Preview {
   double picture_haze_per_m_ = 0;             // then
   std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
   std::unique_ptr<StagePicture> picture_;     // destroyed before what its commands use
+  LogThumbnails thumbnails_;                  // likewise; beside frame_
 
   // Edits.
   struct Made;
