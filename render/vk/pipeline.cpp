@@ -242,7 +242,7 @@ Result<std::shared_ptr<const Pipeline>> Pipelines::begin_compute(Spirv spirv, st
   const std::lock_guard lock(mutex_);
   jobs_.push_back({std::move(key), pipeline, spirv, {constants.begin(), constants.end()}});
   const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kThreadsMax);
-  if (working_ < std::min(threads, jobs_.size())) {
+  if (working_ < threads) {  // each has work: without it they end
     ++working_;
     const NoSignals no_signals;
     threads_.emplace_back([this] { work(); });
