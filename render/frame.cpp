@@ -16,7 +16,6 @@
 #include "render/passes/records.h"
 #include "render/passes/step.h"
 #include "render/passes/tonemap.h"
-#include "render/shadow_tables.h"
 
 namespace footlight::render {
 namespace {
@@ -38,9 +37,13 @@ struct StepPush {
 
 Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures::Rig& rig,
                                              const fixtures::CompiledRig& compiled, const FrameSettings& settings,
-                                             const PassList& passes) {
+                                             const PassList& passes, const FrameSettings* first) {
   std::unique_ptr<Frame> frame(new Frame(device, passes));
   FL_TRY(frame->check_settings(settings));
+  const FrameSettings& begun = first != nullptr ? *first : settings;
+  frame->needs_ = compiled.needs;
+  frame->haze_ = rig.haze;
+  frame->compile_beside_tables(rig, compiled, begun);
   FrameSettings widest = settings;  // the tables are those of every setting that change() may bring
   widest.haze = true;
   widest.method = BeamMethod::kGauss;
@@ -57,7 +60,6 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   }
   FL_ASSIGN(frame->resources_.rig, RigTables::create(device, {rig, compiled, compiled.needs, widest}, used));
   FL_TRY(frame->films_.create(device, {rig, compiled, compiled.needs, widest}));
-  frame->needs_ = compiled.needs;
   const std::vector<bool> only_pixels = fixtures::pixel_universes(rig, compiled);
   for (std::size_t i = 0; i < only_pixels.size(); ++i) {
     if (only_pixels[i]) continue;
@@ -66,7 +68,6 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
     if (ranges.empty() || ranges.back().first + ranges.back().size != at) ranges.push_back({at, 0});
     ranges.back().size += kSlotCountMax;
   }
-  frame->haze_ = rig.haze;
   frame->ambient_lx_ = rig.ambient_lx;
   frame->mirror_plane_ = MirrorPlane(rig);
   frame->machines_ = fixtures::MachineAir::make(rig, compiled);
@@ -80,11 +81,12 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   if (device.facts().timestamp_bits > 0) {
     FL_TRY(vk::check(vkCreateQueryPool(device.handle, &query, nullptr, &frame->times_), "vkCreateQueryPool"));
   }
-  FL_TRY(frame->change(settings));
+  FL_TRY(frame->change(begun));
   return frame;
 }
 
-Frame::Frame(vk::Device& device, const PassList& passes) : device_(device), entries_(passes) {}
+Frame::Frame(vk::Device& device, const PassList& passes, RigTables* shared)
+    : device_(device), resources_{.rig = shared != nullptr ? *shared : tables_}, entries_(passes) {}
 
 Status Frame::check_settings(const FrameSettings& settings) const {
   if (settings.nodes < 1 || (settings.method == BeamMethod::kGauss && settings.nodes > 8)) {
@@ -135,15 +137,7 @@ Status Frame::check_settings(const FrameSettings& settings) const {
 
 Status Frame::change(const FrameSettings& requested) {
   FL_TRY(check_settings(requested));
-  FrameSettings settings = requested;
-  const bool cpu = device_.is_software();
-  if (settings.gobo_method == GoboMethod::kSuited) {
-    settings.gobo_method = cpu ? GoboMethod::kTaps : GoboMethod::kTables;
-  }
-  if (settings.small_body_px < 0) {
-    // A CPU draws the demo's bodies at 640 x 360 in half the time with its rasteriser, and thousands in the same time.
-    settings.small_body_px = cpu ? 0 : FL_SMALL_BODY_PX;
-  }
+  FrameSettings settings = suited(requested);
   const fixtures::Needs needs = drawn_needs(needs_, haze_, settings);
   if (has_bodies(needs, settings) && !resources_.rig.has_bodies) {
     return fail(ErrorCode::kBadInput, "bodies were left out when the frame was made: expected a new frame");
@@ -210,7 +204,7 @@ Status Frame::change(const FrameSettings& requested) {
     FL_ASSIGN(mirror_, Mirror::create(device_, resources_, needs, settings, entries_));
   }
   has_step_ = draws(kStepPass);
-  return {};
+  return device_.pipelines().finish();
 }
 
 bool Frame::draws(const PassEntry& entry) const {
@@ -251,7 +245,8 @@ void Frame::hold_newest() {
   pending_bytes_ += held.size();
 }
 
-void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev) {
+void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev, bool adapts) {
+  adapts_ = adapts;
   if (times_ != VK_NULL_HANDLE) vkCmdResetQueryPool(commands, times_, 0, marks_max(entries_));
   timed_.clear();
   resources_.rig.display_cells_fresh = false;
@@ -270,7 +265,7 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
     mark(commands, "mirror");
   }
   record_passes(commands, false);
-  adapt_ns_ = 0;
+  if (adapts) adapt_ns_ = 0;
   exposure_ev_ = exposure_ev;
 }
 
@@ -283,7 +278,8 @@ void Frame::record_passes(VkCommandBuffer commands, bool before_views) {
     if (plan_[i].name == kStepPass.name) {
       record_steps(commands, true);
     } else if (plan_[i].name == kTonemapPass.name) {
-      const auto kept = static_cast<float>(std::exp(-static_cast<double>(adapt_ns_) / kAdaptNs));
+      const double passed_ns = adapts_ ? static_cast<double>(adapt_ns_) : 0;
+      const auto kept = static_cast<float>(std::exp(-passed_ns / kAdaptNs));
       passes_[i]->record(commands, std::as_bytes(std::span(&kept, 1)));
     } else {
       if (plan_[i].name == beams_first && !has_solids_) clear_radiance(commands);

@@ -62,10 +62,19 @@ struct PassTime {
 
 class Frame {
  public:
+  // first: settings of the first pictures, if they have less than `settings`, which change() is to bring; null: the
+  // same.
   [[nodiscard]] static Result<std::unique_ptr<Frame>> create(vk::Device& device, const fixtures::Rig& rig,
                                                              const fixtures::CompiledRig& compiled,
                                                              const FrameSettings& settings,
-                                                             const PassList& passes = product_passes());
+                                                             const PassList& passes = product_passes(),
+                                                             const FrameSettings* first = nullptr);
+  // A frame of another size for pictures of the same rig: it has the tables of `owner`, which must outlive it, also the
+  // states of heads. So its pictures show where the heads of the owner are. It makes no steps. GPU memory: that of its
+  // images.
+  [[nodiscard]] static Result<std::unique_ptr<Frame>> create_beside(Frame& owner, const FrameSettings& settings);
+  // Before record() of a frame beside another one: takes the time and the air of its owner.
+  void follow(const Frame& owner);
   ~Frame();
   // Takes other settings from the next record() on. Heads keep their states; models and images are not read again. The
   // images of another size replace the old ones, which are freed first. A pipeline is compiled the first time that its
@@ -73,6 +82,9 @@ class Frame {
   // kBadInput, with nothing changed, where the settings are wrong, or where they have bodies that create() was to leave
   // out. After any other error only change() may follow.
   Status change(const FrameSettings& requested);
+  // Begins to compile what change() to these settings needs, beside the pictures: it is quick once
+  // Device::pipelines() have finished(). Until then no other thread may use these.
+  void compile_ahead(const FrameSettings& requested);
   Frame(const Frame&) = delete;
   Frame& operator=(const Frame&) = delete;
 
@@ -85,7 +97,9 @@ class Frame {
   // picture in VK_IMAGE_LAYOUT_GENERAL. Times can be read once the GPU is done with these commands.
   // The commands of the record() before must be finished: both use the same memory.
   // exposure_ev: with FrameSettings::auto_exposure that of pictures before the first light.
-  void record(VkCommandBuffer commands, const View& view, double exposure_ev);
+  // adapts: the automatic exposure follows this picture. Else it stays, and its time counts for the next one that does:
+  // for another view of the stage.
+  void record(VkCommandBuffer commands, const View& view, double exposure_ev, bool adapts = true);
 
   // The automatic exposure follows the light for dt_ns >= 0 before the next record(). Whatever the number of pictures,
   // it comes as near in the same time. The first picture with light in it has the exposure that suits it.
@@ -172,8 +186,13 @@ class Frame {
     std::int64_t dt_ns;
     bool new_exposure;
   };
-  Frame(vk::Device& device, const PassList& passes);
+  // shared: the tables of another frame; null: its own ones.
+  Frame(vk::Device& device, const PassList& passes, RigTables* shared = nullptr);
   Status check_settings(const FrameSettings& settings) const;
+  [[nodiscard]] FrameSettings suited(FrameSettings settings) const;
+  void begin_pipelines(const FrameSettings& settings, Resources& resources);
+  void compile_beside_tables(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
+                             const FrameSettings& requested);
   [[nodiscard]] bool draws(const PassEntry& entry) const;
   void hold_newest();
   void upload_levels(VkCommandBuffer commands, const PendingStep& pending);
@@ -196,8 +215,8 @@ class Frame {
   fixtures::Needs needs_;  // of the rig, whatever the settings
   fixtures::Haze haze_;    // the room's own
   double ambient_lx_ = 0;
-  RigTables tables_;
-  Resources resources_{.rig = tables_};
+  RigTables tables_;  // empty if they are shared
+  Resources resources_;
   MirrorPlane mirror_plane_;
   std::unique_ptr<Mirror> mirror_;  // null: nothing mirrors
   DisplayFilms films_;
@@ -217,7 +236,8 @@ class Frame {
   std::vector<LevelRange> stepped_;  // of the levels, bytes: universes that more than pixels of displays read
   std::unique_ptr<fixtures::MachineAir> machines_;  // may be null
   double work_light_lx_ = 0;
-  std::int64_t adapt_ns_ = 0;    // since the last record()
+  std::int64_t adapt_ns_ = 0;    // since the last record() that adapted
+  bool adapts_ = true;           // the last record()
   double exposure_ev_ = 0;       // of the last record()
   std::int64_t time_ns_ = 0;     // of all steps: clouds of haze drift by it
   glm::dvec3 haze_center_m_{0};  // of a sphere that all light in the air lies in

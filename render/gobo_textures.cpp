@@ -36,61 +36,78 @@ std::uint8_t srgb_of(float linear) {
   return static_cast<std::uint8_t>(std::lround(255.0f * fixtures::srgb_of_linear(std::clamp(linear, 0.0f, 1.0f))));
 }
 
+// Four bytes a texel. Most gobos are grey, and the power of srgb_of() takes most of the time.
+void add_texels(const std::vector<float>& image, std::vector<std::uint8_t>& texels) {
+  const std::size_t first = texels.size();
+  texels.resize(first + image.size() / 3 * 4);
+  std::uint8_t* out = texels.data() + first;
+  for (std::size_t i = 0; i < image.size(); i += 3, out += 4) {
+    out[0] = srgb_of(image[i]);
+    out[1] = image[i + 1] == image[i] ? out[0] : srgb_of(image[i + 1]);
+    out[2] = image[i + 2] == image[i] ? out[0] : srgb_of(image[i + 2]);
+    out[3] = 255;
+  }
+}
+
 }  // namespace
 
-Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::ImageSource>& images, int size_px,
-                             fixtures::Diagnostics& diagnostics, std::vector<std::uint32_t>& planes) {
-  const int size = images.empty() ? 1 : size_px;
-  const auto layers = static_cast<uint>(std::max<std::size_t>(images.size(), 1));
-  const std::uint32_t layers_max = device.limits().maxImageArrayLayers;
-  if (layers > layers_max) {
-    return fail(ErrorCode::kBadInput, "{} gobo images: expected at most {} on {}", layers, layers_max, device.name());
-  }
-  uint levels = 1;
-  while (size >> levels > 0) ++levels;
-  std::vector<std::uint8_t> texels;
-  std::vector<VkBufferImageCopy> regions;
+GoboTexels read_gobos(const std::vector<fixtures::ImageSource>& images, int size_px) {
+  GoboTexels read;
+  read.size_px = images.empty() ? 1 : size_px;
+  read.layers = static_cast<std::uint32_t>(std::max<std::size_t>(images.size(), 1));
+  while (read.size_px >> read.levels > 0) ++read.levels;
   fixtures::ImageBudget budget;
-  for (uint layer = 0; layer < layers; ++layer) {
+  for (std::uint32_t layer = 0; layer < read.layers; ++layer) {
     std::vector<float> image(3, 1.0f);
     if (!images.empty()) {
-      auto read = fixtures::gobo_texels(images[layer], size, kGoboEdge, &budget);
-      if (read) {
-        image = std::move(*read);
+      auto texels = fixtures::gobo_texels(images[layer], read.size_px, kGoboEdge, &budget);
+      if (texels) {
+        image = std::move(*texels);
       } else {
-        image = fixtures::stand_in_texels(layer, size, kGoboEdge);
-        diagnostics.add(fixtures::image_trouble(read.error()));
+        image = fixtures::stand_in_texels(layer, read.size_px, kGoboEdge);
+        read.troubles.push_back(fixtures::image_trouble(texels.error()));
       }
     }
-    planes.push_back(1);
-    for (std::size_t i = 0; i < image.size(); i += 3) {
-      const std::uint8_t red = srgb_of(image[i]);
-      if (srgb_of(image[i + 1]) != red || srgb_of(image[i + 2]) != red) planes.back() = 3;
-    }
-    int level_size = size;
-    for (uint level = 0; level < levels; ++level) {
+    int level_size = read.size_px;
+    for (std::uint32_t level = 0; level < read.levels; ++level) {
       VkBufferImageCopy region{};
-      region.bufferOffset = texels.size();
+      region.bufferOffset = read.texels.size();
       region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, layer, 1};
-      region.imageExtent = {static_cast<uint>(level_size), static_cast<uint>(level_size), 1};
-      regions.push_back(region);
-      for (std::size_t i = 0; i < image.size(); ++i) {
-        texels.push_back(srgb_of(image[i]));
-        if (i % 3 == 2) texels.push_back(255);
+      region.imageExtent = {static_cast<std::uint32_t>(level_size), static_cast<std::uint32_t>(level_size), 1};
+      read.regions.push_back(region);
+      const std::size_t first = read.texels.size();
+      add_texels(image, read.texels);
+      if (level == 0) {
+        read.planes.push_back(1);
+        for (std::size_t i = first; i < read.texels.size(); i += 4) {
+          const std::uint8_t* texel = read.texels.data() + i;
+          if (texel[1] != texel[0] || texel[2] != texel[0]) read.planes.back() = 3;
+        }
       }
       if (level_size > 1) image = halved(image, level_size);
       level_size /= 2;
     }
   }
+  return read;
+}
+
+Status check_gobos(const vk::Device& device, std::size_t images) {
+  const std::uint32_t layers_max = device.limits().maxImageArrayLayers;
+  if (images <= layers_max) return {};
+  return fail(ErrorCode::kBadInput, "{} gobo images: expected at most {} on {}", images, layers_max, device.name());
+}
+
+Result<vk::Image> make_gobos(vk::Device& device, const GoboTexels& read) {
+  const auto size = static_cast<std::uint32_t>(read.size_px);
   FL_ASSIGN(vk::Image image,
-            vk::Image::create(device, static_cast<uint>(size), static_cast<uint>(size), VK_FORMAT_R8G8B8A8_SRGB,
-                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, layers, levels));
-  FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device, texels.size(), 0));
-  std::memcpy(staging.mapped, texels.data(), texels.size());
+            vk::Image::create(device, size, size, VK_FORMAT_R8G8B8A8_SRGB,
+                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, read.layers, read.levels));
+  FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device, read.texels.size(), 0));
+  std::memcpy(staging.mapped, read.texels.data(), read.texels.size());
   FL_TRY(device.run_once([&](VkCommandBuffer commands) {
     vk::change_layout(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     vkCmdCopyBufferToImage(commands, staging.handle, image.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                           static_cast<uint>(regions.size()), regions.data());
+                           static_cast<std::uint32_t>(read.regions.size()), read.regions.data());
     vk::change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }));
   return image;

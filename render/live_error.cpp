@@ -67,17 +67,26 @@ ErrorWindow::Estimate ErrorWindow::estimate() const {
   return estimate;
 }
 
-Result<std::unique_ptr<LiveError>> LiveError::create(vk::Device& device, Frame& frame, const fixtures::Needs& needs) {
-  const FrameSettings& settings = frame.settings();
-  if (has_gloss(needs, settings)) return std::unique_ptr<LiveError>();
+Result<std::shared_ptr<const vk::Pipeline>> LiveError::begin_pipeline(vk::Device& device, const FrameSettings& settings,
+                                                                      const fixtures::Needs& needs) {
   std::vector<vk::SpecConstant> constants = kSurfacesPass.constants(needs, settings);
   constants.push_back({FL_SPEC_GOBO_TAPS, 1024});
   constants.push_back({FL_SPEC_EDGES, has_smooth_edges(needs, settings)});
+  return device.pipelines().begin_compute(
+      has_haze_field(needs, settings) ? vk::Spirv(kHazerecheckComp) : vk::Spirv(kRecheckComp), constants);
+}
+
+void LiveError::compile_ahead(vk::Device& device, const FrameSettings& settings, const fixtures::Needs& needs) {
+  if (!has_gloss(needs, settings)) (void)begin_pipeline(device, settings, needs);  // create() fails, too
+}
+
+Result<std::unique_ptr<LiveError>> LiveError::create(vk::Device& device, Frame& frame, const fixtures::Needs& needs) {
+  const FrameSettings& settings = frame.settings();
+  if (has_gloss(needs, settings)) return std::unique_ptr<LiveError>();
   std::unique_ptr<LiveError> live(new LiveError(device));
   live->cells_ = device.is_software() ? kCellsOfCpu : kCells;
-  FL_ASSIGN(live->pipeline_,
-            device.pipelines().compute(
-                has_haze_field(needs, settings) ? vk::Spirv(kHazerecheckComp) : vk::Spirv(kRecheckComp), constants));
+  FL_ASSIGN(live->pipeline_, begin_pipeline(device, settings, needs));
+  FL_TRY(device.pipelines().finish());
   constexpr VkDeviceSize kBytes = kCells * sizeof(RecheckRow);
   FL_ASSIGN(live->rechecked_, vk::Buffer::device_local(device, kBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   FL_ASSIGN(live->read_, vk::Buffer::host_visible(device, kBytes, 0));

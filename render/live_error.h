@@ -69,6 +69,8 @@ class LiveError {
   // the general path does not.
   [[nodiscard]] static Result<std::unique_ptr<LiveError>> create(vk::Device& device, Frame& frame,
                                                                  const fixtures::Needs& needs);
+  // Begins to compile what create() needs for a frame of these settings, as Frame::compile_ahead() does.
+  static void compile_ahead(vk::Device& device, const FrameSettings& settings, const fixtures::Needs& needs);
   ~LiveError();
   LiveError(const LiveError&) = delete;
   LiveError& operator=(const LiveError&) = delete;
@@ -85,6 +87,8 @@ class LiveError {
 
  private:
   explicit LiveError(vk::Device& device) : device_(device) {}
+  static Result<std::shared_ptr<const vk::Pipeline>> begin_pipeline(vk::Device& device, const FrameSettings& settings,
+                                                                    const fixtures::Needs& needs);
 
   vk::Device& device_;
   std::shared_ptr<const vk::Pipeline> pipeline_;

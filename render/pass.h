@@ -33,6 +33,7 @@ struct PassContext {
   Resources& resources;
   const FrameSettings& settings;
   std::vector<vk::SpecConstant> constants;  // the result of PassEntry::constants
+  bool only_pipelines = false;              // create() is to begin these; resources are empty, and no pass is used
 };
 
 // Whether a constant is set that only selects a shader.

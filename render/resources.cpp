@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <future>
 #include <iterator>
 #include <utility>
 
@@ -18,6 +19,7 @@
 #include "render/pane_tables.h"
 #include "render/pass.h"
 #include "render/shadow_tables.h"
+#include "sim/core/no_signals.h"
 
 namespace footlight::render {
 namespace {
@@ -323,6 +325,16 @@ Status make_gobo_tables(vk::Device& device, const CompiledRig& compiled, const G
   });
 }
 
+// They are read beside the other tables, which take as long.
+Result<std::future<GoboTexels>> begin_gobos(const vk::Device& device, const MemoryShape& shape, bool used) {
+  if (!used) return std::future<GoboTexels>();
+  const std::vector<fixtures::ImageSource>& images = shape.compiled.images;
+  FL_TRY(check_gobos(device, images.size()));
+  const int size_px = gobo_size_px(shape.settings, images.size(), device.is_software());
+  const NoSignals no_signals;
+  return std::async(std::launch::async, [&images, size_px] { return read_gobos(images, size_px); });
+}
+
 // States of all lamps of a kind, by its number in FL_LAMPS.
 std::uint64_t lamp_bytes(const CompiledRig& compiled, std::uint32_t lamp) {
   return compiled.lamp_counts[lamp] * kLampStateBytes;
@@ -506,6 +518,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
     }
     FL_ASSIGN(r.boxes, vk::Buffer::table(device, boxes));
   }
+  FL_ASSIGN(std::future<GoboTexels> reading_gobos, begin_gobos(device, shape, used[FL_BINDING_GOBOS]));
   fixtures::Diagnostics diagnostics;
   if (device.name().find("llvmpipe") != std::string::npos) add_lavapipe_limits(device, shape, diagnostics);
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);
@@ -523,10 +536,11 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   if (used[FL_BINDING_DISPLAYS]) FL_TRY(make_display_tables(device, shape, r));
   if (used[FL_BINDING_BOUNCE_LIGHT]) FL_TRY(make_bounce_tables(device, shape, r));
   std::vector<std::uint32_t> gobo_planes;
-  if (used[FL_BINDING_GOBOS]) {
-    const bool cpu = device.is_software();
-    FL_ASSIGN(r.gobos, make_gobos(device, compiled.images, gobo_size_px(shape.settings, compiled.images.size(), cpu),
-                                  diagnostics, gobo_planes));
+  if (reading_gobos.valid()) {
+    GoboTexels gobos = reading_gobos.get();
+    FL_ASSIGN(r.gobos, make_gobos(device, gobos));
+    gobo_planes = std::move(gobos.planes);
+    for (fixtures::Diagnostic& trouble : gobos.troubles) diagnostics.add(std::move(trouble));
   }
   if (used[FL_BINDING_GOBO_TABLES]) {
     gobo_planes.resize(compiled.images.size(), 1);

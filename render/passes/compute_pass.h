@@ -19,19 +19,20 @@ namespace footlight::render {
   return groups_of(static_cast<std::uint32_t>(size_px), FL_TILE_PX);
 }
 
-// A pipeline with its descriptors.
+// A pipeline with its descriptors. It may be bound after Pipelines::finish(), with which Frame::change() ends.
 struct BoundPipeline {
   std::shared_ptr<const vk::Pipeline> pipeline;  // null: none
   vk::BindingSet set;
 
   [[nodiscard]] static Result<BoundPipeline> create(const PassContext& context,
                                                     std::shared_ptr<const vk::Pipeline> pipeline) {
+    if (context.only_pipelines) return BoundPipeline{std::move(pipeline), {}};
     FL_ASSIGN(vk::BindingSet set, vk::BindingSet::create(context.device, *pipeline, context.resources.bindings));
     return BoundPipeline{std::move(pipeline), std::move(set)};
   }
   [[nodiscard]] static Result<BoundPipeline> compute(const PassContext& context, vk::Spirv spirv,
                                                      const std::vector<vk::SpecConstant>& constants) {
-    FL_ASSIGN(auto pipeline, context.device.pipelines().compute(spirv, constants));
+    FL_ASSIGN(auto pipeline, context.device.pipelines().begin_compute(spirv, constants));
     return create(context, std::move(pipeline));
   }
   void bind(VkCommandBuffer commands) const { pipeline->bind(commands, set); }

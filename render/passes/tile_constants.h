@@ -33,8 +33,9 @@ template <class Dispatch>
   const std::uint32_t team = std::min(vk::compute_subgroup_size(context.device.facts()), 16u);
   std::vector<vk::SpecConstant> constants = context.constants;
   constants.push_back({FL_SPEC_TEAM, team});
-  return make_compute_pass({context.device, context.resources, context.settings, std::move(constants)}, spirv,
-                           std::move(dispatch));
+  return make_compute_pass(
+      {context.device, context.resources, context.settings, std::move(constants), context.only_pipelines}, spirv,
+      std::move(dispatch));
 }
 
 }  // namespace footlight::render

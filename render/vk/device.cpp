@@ -264,6 +264,7 @@ void Device::save_pipeline_cache() const {
 Device::~Device() {
   if (handle != VK_NULL_HANDLE) {
     vkDeviceWaitIdle(handle);
+    if (pipelines_) pipelines_->stop();
     save_pipeline_cache();
     pipelines_.reset();
     vkDestroyPipelineCache(handle, pipeline_cache, nullptr);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "sim/core/check.h"
+#include "sim/core/no_signals.h"
 
 namespace footlight::render::vk {
 namespace {
@@ -105,9 +107,7 @@ void Pipeline::push(VkCommandBuffer commands, std::span<const std::byte> bytes) 
   vkCmdPushConstants(commands, layout, kAllStages, 0, static_cast<std::uint32_t>(bytes.size()), bytes.data());
 }
 
-Result<Pipeline> Pipeline::compute(Device& device, VkPipelineCache cache, Spirv spirv,
-                                   std::span<const SpecConstant> constants) {
-  FL_ASSIGN(Pipeline pipeline, begin(device, {&spirv, 1}, VK_PIPELINE_BIND_POINT_COMPUTE));
+Status Pipeline::compile(VkPipelineCache cache, Spirv spirv, std::span<const SpecConstant> constants) {
   std::vector<VkSpecializationMapEntry> entries;
   std::vector<std::uint32_t> values;
   for (const SpecConstant& constant : constants) {
@@ -116,7 +116,7 @@ Result<Pipeline> Pipeline::compute(Device& device, VkPipelineCache cache, Spirv 
   }
   const VkSpecializationInfo specialization{static_cast<std::uint32_t>(entries.size()), entries.data(),
                                             values.size() * 4, values.data()};
-  FL_ASSIGN(const VkShaderModule module, make_module(device, spirv));
+  FL_ASSIGN(const VkShaderModule module, make_module(*device_, spirv));
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
@@ -125,13 +125,12 @@ Result<Pipeline> Pipeline::compute(Device& device, VkPipelineCache cache, Spirv 
   info.stage.pSpecializationInfo = &specialization;
   VkPipelineShaderStageRequiredSubgroupSizeCreateInfo subgroup{
       VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO};
-  subgroup.requiredSubgroupSize = compute_subgroup_size(device.facts());
-  if (can_require_subgroups(device.facts())) info.stage.pNext = &subgroup;
-  info.layout = pipeline.layout;
-  const VkResult result = vkCreateComputePipelines(device.handle, cache, 1, &info, nullptr, &pipeline.handle);
-  vkDestroyShaderModule(device.handle, module, nullptr);
-  FL_TRY(check(result, "vkCreateComputePipelines"));
-  return pipeline;
+  subgroup.requiredSubgroupSize = compute_subgroup_size(device_->facts());
+  if (can_require_subgroups(device_->facts())) info.stage.pNext = &subgroup;
+  info.layout = layout;
+  const VkResult result = vkCreateComputePipelines(device_->handle, cache, 1, &info, nullptr, &handle);
+  vkDestroyShaderModule(device_->handle, module, nullptr);
+  return check(result, "vkCreateComputePipelines");
 }
 
 Result<Pipeline> Pipeline::raster(Device& device, VkPipelineCache cache, const Raster& raster) {
@@ -217,27 +216,91 @@ Pipeline::~Pipeline() {
   vkDestroyDescriptorSetLayout(device_->handle, set_layout, nullptr);
 }
 
-template <class Compile>
-Result<std::shared_ptr<const Pipeline>> Pipelines::find_or(const Key& key, Compile compile) {
-  if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
-  if (pipelines_.size() >= kKeptMax) {
-    std::erase_if(pipelines_, [](const auto& each) { return each.second.use_count() == 1; });
+void Pipelines::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    jobs_.clear();
   }
-  FL_ASSIGN(Pipeline made, compile());
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
+}
+
+void Pipelines::make_room() {
+  if (pipelines_.size() < kKeptMax) return;
+  std::erase_if(pipelines_, [](const auto& each) { return each.second.use_count() == 1; });
+}
+
+Result<std::shared_ptr<const Pipeline>> Pipelines::begin_compute(Spirv spirv, std::span<const SpecConstant> constants) {
+  Key key{reinterpret_cast<std::uintptr_t>(spirv.data())};
+  for (const SpecConstant& constant : constants) key.push_back(std::uint64_t{constant.id} << 32 | constant.value);
+  if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
+  make_room();
+  FL_ASSIGN(Pipeline begun, Pipeline::begin(device_, {&spirv, 1}, VK_PIPELINE_BIND_POINT_COMPUTE));
+  const auto pipeline = std::make_shared<Pipeline>(std::move(begun));
   ++compiled_;
-  return pipelines_[key] = std::make_shared<const Pipeline>(std::move(made));
+  pipelines_[key] = pipeline;
+  const std::lock_guard lock(mutex_);
+  jobs_.push_back({std::move(key), pipeline, spirv, {constants.begin(), constants.end()}});
+  const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kThreadsMax);
+  if (working_ < threads) {  // each has work: without it they end
+    ++working_;
+    const NoSignals no_signals;
+    threads_.emplace_back([this] { work(); });
+  }
+  return pipeline;
+}
+
+// One thread: the longest shader first, so that none is begun late that takes as long as several others.
+void Pipelines::work() {
+  std::unique_lock lock(mutex_);
+  while (!jobs_.empty()) {
+    const auto next = std::max_element(jobs_.begin(), jobs_.end(), [](const Job& a, const Job& b) {
+      return a.spirv.size() < b.spirv.size();
+    });
+    Job job = std::move(*next);
+    jobs_.erase(next);
+    lock.unlock();
+    const Status compiled = job.pipeline->compile(device_.pipeline_cache, job.spirv, job.constants);
+    job.pipeline.reset();
+    lock.lock();
+    if (compiled) continue;
+    failed_.push_back(std::move(job.key));
+    if (!error_) error_ = compiled.error();
+  }
+  --working_;
+  done_.notify_all();
+}
+
+bool Pipelines::finished() const {
+  const std::lock_guard lock(mutex_);
+  return working_ == 0;
+}
+
+Status Pipelines::finish() {
+  std::unique_lock lock(mutex_);
+  done_.wait(lock, [this] { return working_ == 0; });
+  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();
+  for (const Key& key : std::exchange(failed_, {})) pipelines_.erase(key);
+  const std::optional<Error> error = std::exchange(error_, std::nullopt);
+  if (error) return tl::unexpected<Error>(*error);
+  return {};
 }
 
 Result<std::shared_ptr<const Pipeline>> Pipelines::compute(Spirv spirv, std::span<const SpecConstant> constants) {
-  Key key{reinterpret_cast<std::uintptr_t>(spirv.data())};
-  for (const SpecConstant& constant : constants) key.push_back(std::uint64_t{constant.id} << 32 | constant.value);
-  return find_or(key, [&] { return Pipeline::compute(device_, device_.pipeline_cache, spirv, constants); });
+  FL_ASSIGN(auto pipeline, begin_compute(spirv, constants));
+  FL_TRY(finish());
+  return pipeline;
 }
 
 Result<std::shared_ptr<const Pipeline>> Pipelines::raster(const Pipeline::Raster& raster) {
   const Key key{reinterpret_cast<std::uintptr_t>(raster.vertex_spirv.data()),
                 reinterpret_cast<std::uintptr_t>(raster.fragment_spirv.data())};
-  return find_or(key, [&] { return Pipeline::raster(device_, device_.pipeline_cache, raster); });
+  if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
+  make_room();
+  FL_ASSIGN(Pipeline made, Pipeline::raster(device_, device_.pipeline_cache, raster));
+  ++compiled_;
+  return pipelines_[key] = std::make_shared<const Pipeline>(std::move(made));
 }
 
 }  // namespace footlight::render::vk

@@ -9,11 +9,15 @@
 //   pipeline->bind(commands, set);
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -114,8 +118,8 @@ class Pipeline {
  private:
   friend class Pipelines;
   static Result<Pipeline> begin(Device& device, std::span<const Spirv> stages, VkPipelineBindPoint point);
-  static Result<Pipeline> compute(Device& device, VkPipelineCache cache, Spirv spirv,
-                                  std::span<const SpecConstant> constants);
+  // What begin() has left out: the handle.
+  Status compile(VkPipelineCache cache, Spirv spirv, std::span<const SpecConstant> constants);
   // With depth it is reversed (greater wins). No face culled, viewport and scissor dynamic.
   static Result<Pipeline> raster(Device& device, VkPipelineCache cache, const Raster& raster);
   void swap(Pipeline& other) {
@@ -132,31 +136,59 @@ class Pipeline {
 };
 
 // The pipelines of a device. A combination of shader and constants is compiled once, so that a knob that is moved back
-// costs nothing. Those that no pass uses are dropped when there are more than kKeptMax. One thread at a time.
+// costs nothing. Those that no pass uses are dropped when there are more than kKeptMax.
+//
+// Threads: one at a time calls these functions. Pipelines are compiled by a few threads of their own, the longest
+// shaders first. They begin with the first begin_compute() and end when nothing is left to compile.
 class Pipelines {
  public:
   static constexpr std::size_t kKeptMax = 64;
+  static constexpr std::size_t kThreadsMax = 8;
 
   explicit Pipelines(Device& device) : device_(device) {}
+  ~Pipelines() { stop(); }
   Pipelines(const Pipelines&) = delete;
   Pipelines& operator=(const Pipelines&) = delete;
 
   // `spirv` is a constant of the program: its address is a part of the key.
   [[nodiscard]] Result<std::shared_ptr<const Pipeline>> compute(Spirv spirv, std::span<const SpecConstant> constants);
+  // The same without waiting: the pipeline has its layouts at once, and may be bound after finish().
+  [[nodiscard]] Result<std::shared_ptr<const Pipeline>> begin_compute(Spirv spirv,
+                                                                      std::span<const SpecConstant> constants);
+  // Waits until all pipelines are compiled. The first error since the last call, if there was one; pipelines that
+  // failed are forgotten.
+  Status finish();
+  // Leaves those that are not begun, and waits for the others. Nothing that was left may be bound.
+  void stop();
+  // Whether finish() would not wait.
+  [[nodiscard]] bool finished() const;
   // The shaders are the key: all rasters of the same shaders have the same formats and attributes.
   [[nodiscard]] Result<std::shared_ptr<const Pipeline>> raster(const Pipeline::Raster& raster);
-  // How many have been compiled so far, and how many are kept.
+  // How many have been compiled so far, or begun, and how many are kept.
   [[nodiscard]] std::size_t compiled() const { return compiled_; }
   [[nodiscard]] std::size_t kept() const { return pipelines_.size(); }
 
  private:
   using Key = std::vector<std::uint64_t>;
-  template <class Compile>
-  Result<std::shared_ptr<const Pipeline>> find_or(const Key& key, Compile compile);
+  struct Job {
+    Key key;
+    std::shared_ptr<Pipeline> pipeline;
+    Spirv spirv;
+    std::vector<SpecConstant> constants;
+  };
+  void make_room();
+  void work();
 
   Device& device_;
   std::map<Key, std::shared_ptr<const Pipeline>> pipelines_;
   std::size_t compiled_ = 0;
+  std::vector<std::thread> threads_;
+  mutable std::mutex mutex_;
+  std::condition_variable done_;
+  std::vector<Job> jobs_;       // under mutex_, like all below: not yet begun
+  std::size_t working_ = 0;     // threads that have not ended
+  std::vector<Key> failed_;
+  std::optional<Error> error_;  // the first one
 };
 
 }  // namespace footlight::render::vk

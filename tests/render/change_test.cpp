@@ -166,6 +166,26 @@ TEST_CASE("haze that is set between two pictures is drawn as the same haze of a 
   CHECK(seen.rgb == draw_new(vulkan.device(), thick, sized(64, 36)).rgb);
 }
 
+TEST_CASE("a frame that begins rough draws whole pictures as a new one does, and compiles them beside rough ones") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = demo_scene(75, true);
+  FrameSettings whole = sized(64, 36);
+  whole.edge_samples = 8;
+  FrameSettings rough = sized(32, 18);
+  rough.edge_samples = 0;
+  vk::Device& device = vulkan.device();
+  const auto frame = must(Frame::create(device, scene.rig, scene.compiled, whole, product_passes(), &rough));
+  CHECK(draw(*frame, scene).width == 32);
+  frame->compile_ahead(whole);
+  must(device.pipelines().finish());
+  CHECK(device.pipelines().finished());
+  const std::size_t compiled = device.pipelines().compiled();
+  must(frame->change(whole));
+  CHECK(device.pipelines().compiled() == compiled);
+  CHECK(draw(*frame, scene).rgb == draw_new(device, scene, whole).rgb);
+}
+
 TEST_CASE("a frame that changes its size without haze draws shadows in haze as a new frame does") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

@@ -58,6 +58,31 @@ TEST_CASE("a picture over 20 ms of two snapshots is the mean of both pictures, w
   CHECK(must(frame->read_radiance()).rgb == b.rgb);
 }
 
+TEST_CASE("pictures of another view leave the automatic exposure, whose time goes on with the next own one") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = lamps_scene(30, 20);
+  Scene dim = scene;
+  for (std::size_t i = 0; i < dim.rig.fixtures.size(); ++i) dim.set(i, "Dimmer", 0.1);
+  FrameSettings settings = judged_settings(40, 24);
+  settings.auto_exposure = true;
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const View view = view_of(scene.camera);
+  const auto draw_as = [&](bool adapts) {
+    must(vulkan.device().run_once([&](VkCommandBuffer commands) { frame->record(commands, view, 0, adapts); }));
+    return must(frame->read_exposure_ev());
+  };
+  frame->step(scene.levels, 20 * kMs);
+  const double bright_ev = draw_as(true);
+  frame->step(dim.levels, 20 * kMs);
+  frame->adapt_for(500 * kMs);
+  CHECK(draw_as(false) == bright_ev);
+  CHECK(draw_as(false) == bright_ev);
+  const double half_ev = draw_as(true);
+  CHECK(half_ev < bright_ev);
+  CHECK(draw_as(true) == doctest::Approx(half_ev));  // no time has passed
+}
+
 TEST_CASE("pictures over 20 ms of a strobe at 12 Hz have the share of light that fine sampling gives, for any steps") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

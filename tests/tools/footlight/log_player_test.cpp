@@ -1,6 +1,7 @@
 // A log that plays in a window: what a seek shows, what its time does to the log, and what goes on in a pause.
 #include <algorithm>
 #include <cstddef>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -15,6 +16,7 @@
 #include "tests/support/headless_vulkan.h"
 #include "tests/support/must.h"
 #include "tools/footlight/preview/log_player.h"
+#include "tools/footlight/preview/log_thumbnails.h"
 
 namespace footlight::tools {
 namespace {
@@ -356,6 +358,107 @@ TEST_CASE("the automatic exposure begins anew after a seek, and goes on while th
   CHECK(must(stage.frame->read_exposure_ev()) == metered_ev);
   must(stage.player->seek(3 * kNsPerS, stage.driven()));
   CHECK(must(stage.frame->read_exposure_ev()) == 0);  // that of pictures before the first light
+}
+
+// A frame with all passes, of a floor in haze as well.
+std::unique_ptr<render::Frame> whole_frame(const Stage& stage, int width, int height) {
+  render::FrameSettings settings{.width = width, .height = height};
+  settings.edge_samples = 0;
+  return must(render::Frame::create(stage.device, stage.rig, stage.compiled, settings));
+}
+
+// Where the light of the head comes down.
+fixtures::Camera stage_camera() {
+  fixtures::Camera camera;
+  camera.position_m = {0, -12, 3};
+  camera.target_m = {0, 0, 2};
+  camera.exposure_ev = 0;
+  return camera;
+}
+
+std::vector<std::uint8_t> drawn(render::Frame& frame) {
+  must(frame.draw(render::view_of(stage_camera()), stage_camera().exposure_ev));
+  return must(frame.read_screen()).rgba;
+}
+
+// As `footlight render --at` makes it.
+std::vector<std::uint8_t> rendered(const Stage& stage, TimeNs at_ns, int width, int height) {
+  const auto frame = whole_frame(stage, width, height);
+  Timeline timeline(stage.log.again(), stage.compiled);
+  must(advance_frame(timeline, *frame, at_ns, LogPlayer::kExposureNs,
+                     [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+                       frame->step(levels, dt_ns, new_exposure);
+                     }));
+  return drawn(*frame);
+}
+
+TEST_CASE("the picture after a seek is that of render at this time to the byte, and playing there shows the same") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Stage stage(vulkan.device(), 8 * kNsPerS);
+  stage.frame = whole_frame(stage, 64, 36);
+  stage.transport.duration_ns = stage.player->duration_ns();
+  stage.make_index();
+  std::ptrdiff_t lit = 0;
+  for (const TimeNs at_ns : {5 * kNsPerS, 2300 * kNsPerMs}) {
+    CAPTURE(at_ns);
+    must(stage.player->seek(at_ns, stage.driven()));
+    const std::vector<std::uint8_t> sought = drawn(*stage.frame);
+    CHECK(sought == rendered(stage, at_ns, 64, 36));
+    lit += std::count_if(sought.begin(), sought.end(), [](std::uint8_t level) { return level > 20 && level < 255; });
+    // Steps of a log that plays are cut at pictures: states differ in their last bits, and bytes by one at most.
+    Stage playing(vulkan.device(), 8 * kNsPerS);
+    playing.frame = whole_frame(playing, 64, 36);
+    playing.transport.duration_ns = playing.player->duration_ns();
+    while (playing.player->now_ns() < at_ns) {
+      playing.turn(std::min<DurationNs>(20 * kNsPerMs, at_ns - playing.player->now_ns()));
+    }
+    const std::vector<std::uint8_t> played = drawn(*playing.frame);
+    int worst = 0;
+    for (std::size_t i = 0; i < played.size(); ++i) worst = std::max(worst, std::abs(int{played[i]} - int{sought[i]}));
+    CHECK(worst <= 1);
+  }
+  CHECK(lit > 100);
+}
+
+TEST_CASE("small pictures show the moments of the log, and the pictures of the stage go on as if there were none") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Stage stage(vulkan.device(), 8 * kNsPerS);
+  stage.frame = whole_frame(stage, 64, 36);
+  stage.transport.duration_ns = stage.player->duration_ns();
+  LogThumbnails small;
+  CHECK(!small.is_due(0, nullptr, stage.player->duration_ns(), false));
+  stage.make_index();
+  stage.play(3 * kNsPerS);
+  const render::FrameState before = stage.state();
+  const std::vector<std::uint8_t> shown = drawn(*stage.frame);
+  const SeekIndex& index = *stage.player->index();
+  const DurationNs duration_ns = stage.player->duration_ns();
+  TimeNs now_ns = 0;
+  while (small.is_due(now_ns, &index, duration_ns, false)) {
+    must(small.begin(now_ns, stage.device, *stage.frame, index, duration_ns, {stage_camera(), 0}));
+    if (!small.in_flight()) continue;  // no other moment for this part of the log
+    CHECK(must(small.done(StagePicture::kForeverNs)));
+    must(small.finish(now_ns + 50 * kNsPerMs, *stage.frame));
+    CHECK(!small.is_due(now_ns + 800 * kNsPerMs, &index, duration_ns, false));  // at most 6 % of the time
+    CHECK(small.took_ns() == 50 * kNsPerMs);
+    now_ns += 900 * kNsPerMs;
+  }
+  CHECK(stage.state().heads == before.heads);
+  CHECK(drawn(*stage.frame) == shown);
+  REQUIRE(small.pictures().all().size() == index.moments().size());
+  Thumbnails expected;
+  const auto other = whole_frame(stage, Thumbnails::kWidth, Thumbnails::kHeight);
+  for (const SeekIndex::Moment& moment : index.moments()) {
+    must(other->load_state(moment.state));
+    other->step(moment.position.levels, 20 * kNsPerMs, true);
+    expected.add(moment.position.now_ns, drawn(*other));
+    const Thumbnails::Picture* made = small.pictures().nearest(moment.position.now_ns, 0);
+    REQUIRE(made != nullptr);
+    CHECK(made->pixels == expected.all().back().pixels);
+  }
+  CHECK(expected.all().front().pixels != expected.all().back().pixels);
 }
 
 TEST_CASE("the curve of a log has every moment, also after every other one was dropped") {

@@ -72,6 +72,7 @@ class HeadlessUi final : public testing::DrawnUi {
   testing::HeadlessImGui imgui;
   Transport* transport = nullptr;
   const LightCurve* curve = nullptr;
+  const Thumbnails* thumbnails = nullptr;
   UiDesk desk;
   UiPanels open;
   std::vector<std::uint8_t> levels;
@@ -85,6 +86,7 @@ class HeadlessUi final : public testing::DrawnUi {
     input.now_ns = now_ns;
     input.transport = transport;
     input.curve = curve;
+    input.thumbnails = thumbnails;
     open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
   }
 };
@@ -499,6 +501,35 @@ TEST_CASE("a click on the timeline seeks to the time under it, and a slow seek w
   CHECK(ui.words().find("known up to 1:40.0") != std::string::npos);
   transport = {};  // a log without a length
   CHECK(ui.frame() > 0);
+}
+
+TEST_CASE("the timeline has a row of small pictures, a tooltip shows one, and a click on one seeks") {
+  const auto rig = compiled_rig(parsed_rig(kUiRig));
+  HeadlessUi ui(rig);
+  Transport transport;
+  transport.duration_ns = transport.known_ns = 1'000 * kNsPerS;
+  ui.transport = &transport;
+  ui.show(kTimeline);
+  ImGui::GetIO().MousePos = {1, 1};
+  ui.frame();
+  const int without = ui.frame();
+  Thumbnails thumbnails;
+  ui.thumbnails = &thumbnails;
+  CHECK(ui.frame() == without);
+  constexpr int kMesh = Thumbnails::kWidth / 2 * Thumbnails::kHeight / 2;
+  thumbnails.add(500 * kNsPerS, std::vector<std::uint8_t>(std::size_t{4} * Thumbnails::kWidth * Thumbnails::kHeight));
+  CHECK(ui.frame() == without + kMesh);
+  for (const TimeNs at_s : {0, 250, 750, 999}) {
+    thumbnails.add(at_s * kNsPerS,
+                   std::vector<std::uint8_t>(std::size_t{4} * Thumbnails::kWidth * Thumbnails::kHeight, 99));
+  }
+  CHECK(ui.frame() == without + 5 * kMesh);
+  const ImVec2 place = ui.click_down(640, 550, 700, [&] { return transport.seek_ns.has_value(); });
+  REQUIRE(place.x > 0);
+  CHECK(std::abs(static_cast<double>(*transport.seek_ns) * 1e-9 - 500) < 10);
+  ui.frame();
+  CHECK(ui.words().find("picture of 8:20.0") != std::string::npos);
+  CHECK(ui.frame() > without + 5 * kMesh + Thumbnails::kWidth * Thumbnails::kHeight);
 }
 
 TEST_CASE("a click on a marker goes to its time, and the right button names and deletes it") {

@@ -105,6 +105,9 @@ TEST_CASE("the demo opens, draws, saves a picture and closes without a message f
   CHECK(read(folder.file("out")).starts_with("{\"event\":\"loading\""));
   CHECK(line["first_text_ms"].get<double>() > 0);
   CHECK(line["first_text_ms"].get<double>() < line["first_picture_ms"].get<double>());
+  // In software the first picture is a rough one. A short session shows a whole one, too.
+  CHECK(line["first_picture_ms"].get<double>() < line["first_whole_picture_ms"].get<double>());
+  CHECK(line["start_ms"]["stage_device"].get<double>() < line["start_ms"]["frame"].get<double>());
   const std::string png = read(folder.file("a.png"));
   REQUIRE(png.size() > 1000);
   CHECK(png.substr(1, 3) == "PNG");
@@ -113,7 +116,7 @@ TEST_CASE("the demo opens, draws, saves a picture and closes without a message f
 TEST_CASE("the panel has the error of the pictures, measured at samples of them") {
   if (!can_open_window()) return;
   const TempFolder folder;
-  const int code = preview(folder, "--demo --at 12s --seconds 60 --size 900x160 --json");
+  const int code = preview(folder, "--demo --at 12s --seconds 60 --size 900x160 --views 2 --json");
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;
   INFO(err);
@@ -128,6 +131,11 @@ TEST_CASE("the panel has the error of the pictures, measured at samples of them"
   CHECK(error["low"] <= error["rel_l2"]);
   CHECK(error["high"] >= error["rel_l2"]);
   CHECK(line["pass_gpu_ms"]["error"].get<double>() > 0);
+  // There are two views. Both were drawn, the active one more often.
+  const auto views = line["view_pictures"].get<std::vector<int>>();
+  REQUIRE(views.size() == 2);
+  CHECK(views[1] > 0);
+  CHECK(views[0] > views[1]);
 }
 
 TEST_CASE("an error or a time that is none, or two at once, is refused before a window opens") {
@@ -221,6 +229,12 @@ TEST_CASE("all panels draw in a small window, and the picture keeps its size") {
   CHECK(with["ui_ms_p50"].get<double>() > 0);
   CHECK(with["width"] == 640);  // the most that software renders in full resolution at first
   CHECK(with["height"] == 360);
+}
+
+TEST_CASE("a number of views that there is not is refused with those that there are") {
+  const Outcome outcome = footlight({"preview", "--demo", "--views", "3"});
+  CHECK(outcome.exit_code == 2);
+  CHECK(contains(outcome.err, "--views 3: expected 1, 2 or 4"));
 }
 
 TEST_CASE("a panel or a selection that is none is refused with what there is") {

@@ -28,6 +28,7 @@ TEST_CASE("settings are read as they were written, in a folder that is made, and
   CHECK(load_window_settings(path) == settings);
   settings.theme = UiTheme::kLight;
   settings.ui_percent = 150;
+  settings.views = 4;
   for (int i = 0; i < 14; ++i) settings.add_recent("/shows/a \"" + std::to_string(i) + "\".toml");
   settings.add_recent("/shows/a \"9\".toml");
   CHECK(settings.recent_rigs.size() == WindowSettings::kRecentMax);
@@ -50,6 +51,7 @@ TEST_CASE("settings that are wrong name the line and what is expected") {
   };
   CHECK(trouble("theme = \"pink\"").find("theme 'pink': expected dark or light") != std::string::npos);
   CHECK(trouble("ui_percent = 500").find("300") != std::string::npos);
+  CHECK(trouble("theme = \"dark\"\nviews = 3").find("views 3: expected 1, 2 or 4") != std::string::npos);
   CHECK(!parse_window_settings("theme =", "window.toml"));
   CHECK(parse_window_settings("", "window.toml"));
 }

@@ -7,6 +7,7 @@
 
 #include "tools/footlight/command.h"
 #include "tools/footlight/pictures/frame_options.h"
+#include "tools/footlight/preview/ui/stage_views.h"
 
 namespace footlight::tools {
 namespace {
@@ -44,6 +45,8 @@ void add(Arguments& arguments) {
   arguments.option("--theme", options->theme, "WORD", "dark or light; default: as it was set in the window last");
   arguments.option("--ui-scale", options->ui_percent, kUiPercentMin, kUiPercentMax,
                    "size of panels and text in per cent; default: as it was set in the window last");
+  arguments.option("--views", options->views, 1, 4,
+                   "views of the stage: 1, 2 or 4; default: as it was set in the window last");
   arguments.flag("--handles", options->handles, "show the handles that move and aim selected fixtures (key G)");
   arguments.option("--work-light", options->work_light_lx, 0, 1e6,
                    "lx on every surface, key W turns it off and on; default without input: 150 or more");
@@ -76,6 +79,9 @@ void add(Arguments& arguments) {
   arguments.job([=]() -> Result<int> {
     if (!edges->empty()) {
       FL_ASSIGN(options->edge_samples, parse_edges(*edges));
+    }
+    if (options->views && !is_view_count(*options->views)) {
+      return fail(ErrorCode::kBadInput, "--views {}: expected 1, 2 or 4", *options->views);
     }
     FL_TRY(take_shadows(*shadows, options->display));
     FL_ASSIGN(options->bounce, parse_bounce(*bounce));

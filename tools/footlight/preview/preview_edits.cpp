@@ -88,7 +88,7 @@ Status Preview::begin_frame(const PixelRect& where) {
   const TimeNs until_ns = player_ ? player_->now_ns() : 0;
   const NoSignals no_signals;
   making_ = std::async(std::launch::async,
-                       [this, scene = making_scene_, settings = frame_settings(where), until_ns,
+                       [this, scene = making_scene_, settings = frame_settings(where, false), until_ns,
                         logs = player_ != nullptr]() -> Result<std::unique_ptr<Made>> {
                          auto made = std::make_unique<Made>();
                          FL_ASSIGN(made->frame, render::Frame::create(*device_, scene->rig, scene->compiled, settings));
@@ -169,8 +169,9 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
     } else if (made) {
       error_.reset();
       facts_.error = {};  // that of the rig from before
-      error_tried_ = error_drawn_ = false;
+      error_tried_ = error_begun_ = error_drawn_ = false;
       picture_since_ns_ = -1;
+      thumbnails_.clear();
       frame_ = std::move((*made)->frame);
       videos_.show_all_again();
       if ((*made)->player) player_ = std::move((*made)->player);

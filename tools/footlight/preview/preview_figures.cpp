@@ -68,10 +68,18 @@ nlohmann::json figures_of(const PreviewFacts& facts, const Times& times, const r
 
 }  // namespace
 
+std::vector<std::uint64_t> Preview::view_pictures() const {
+  std::vector<std::uint64_t> pictures;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(desk_->views()); ++i) pictures.push_back(views_[i].pictures);
+  return pictures;
+}
+
 void Preview::print_second() {
   nlohmann::json line = figures_of(facts_, {times_, turn_times_, show_times_, ui_times_}, frame_->settings());
   line["event"] = "frames";
   line["fps"] = facts_.fps;
+  line["view"] = desk_->state().view;
+  line["view_pictures"] = view_pictures();
   line["selected"] = desk_->state().selection.fixtures.size();
   line["taken_over"] = desk_->state().taken.size();
   line["fixtures"] = desk_->rig().fixtures.size();
@@ -81,6 +89,8 @@ void Preview::print_second() {
   line["blackout"] = outputs_view_.darkness != Darkness::kNone;
   if (player_) line["time_ns"] = player_->now_ns();
   if (player_) line["stands"] = !controls_.transport.playing && !controls_.transport.seek_ns;
+  if (player_) line["thumbnails"] = thumbnails_.pictures().all().size();
+  if (player_) line["thumbnail_ms"] = static_cast<double>(thumbnails_.took_ns()) * 1e-6;
   if (player_ && player_->index() != nullptr) line["indexed_ns"] = player_->index()->known_ns();
   // Names of inputs are the user's, and need not be UTF-8.
   fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -95,8 +105,13 @@ void Preview::print_summary() {
   line["seconds"] = elapsed_s;
   line["first_text_ms"] = static_cast<double>(progress_ns_) * 1e-6;
   line["first_picture_ms"] = static_cast<double>(picture_ns_) * 1e-6;
+  line["first_whole_picture_ms"] = static_cast<double>(whole_ns_) * 1e-6;
+  nlohmann::json start = nlohmann::json::object();
+  for (const auto& [ended, ms] : start_marks_) start[ended] = ms;
+  line["start_ms"] = start;
   line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
   line["ui_fps"] = elapsed_s > 0 ? static_cast<double>(turn_times_.count()) / elapsed_s : 0;
+  line["view_pictures"] = view_pictures();
   line["validation_messages"] = validation_messages();
   fmt::print("{}\n", line.dump());
 }

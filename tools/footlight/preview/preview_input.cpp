@@ -38,10 +38,14 @@ PixelRect Preview::place() const {
 
 // Of the picture that is shown, which may be one behind the camera.
 StagePlace Preview::stage() const {
-  const PixelRect where = place();
+  const int active = desk_->state().view;
+  const PixelRect where = place_of(active);
   const double scale = static_cast<double>(window_->pixels_per_unit());
-  const OrbitCamera& camera = shown_camera_ ? *shown_camera_ : desk_->state().camera;
-  return {render::view_of(camera.camera()), {where.width / scale, where.height / scale}};
+  const auto& shown = views_[static_cast<std::size_t>(active)].shown;
+  const OrbitCamera& camera = shown ? *shown : desk_->state().camera;
+  return {render::view_of(camera.camera()),
+          {where.width / scale, where.height / scale},
+          {where.x / scale, where.y / scale}};
 }
 
 const StagePick& Preview::pick() {
@@ -66,7 +70,9 @@ void Preview::draw_ui(DurationNs dt_ns) {
   if (const Exposure shown{controls_.exposure_ev, controls_.auto_exposure}; shown != desk_->state().exposure) {
     desk_->set_exposure(shown);
   }
-  const StagePlace where = stage();
+  const PixelRect whole = place();
+  const double scale = static_cast<double>(window_->pixels_per_unit());
+  const glm::dvec2 size(whole.width / scale, whole.height / scale);
   if (panels_.any_open()) {
     UiInput input;
     input.levels = panel_levels();
@@ -75,6 +81,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
     if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
     if (curve_ && strips_) input.strips = &strips_->strips;
+    if (player_) input.thumbnails = &thumbnails_.pictures();
     input.outputs = &outputs_view_;
     input.inputs = &inputs_view_;
     input.messages = &messages_;
@@ -82,7 +89,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
     input.pictures = &pictures_;
     input.now_ns = clock_.now_ns();
     input.scale = window_->ui_scale();
-    panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
+    panels_.draw(*desk_, input, static_cast<float>(size.x), static_cast<float>(size.y));
   }
   const OutputsView* outputs = outputs_ ? &outputs_view_ : nullptr;
   const bool palette_open = palette_.is_open();
@@ -94,6 +101,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
   take_input(palette_open, dt_ns);
   // The last movement of a drag comes with the release.
   begin_gesture([](ImGuiMouseButton button) { return ImGui::IsMouseReleased(button); });
+  draw_views();
   draw_measures();
   if (const Selection& selection = desk_->state().selection; !selection.fixtures.empty()) {
     draw_marks(edited_->scene()->rig, pick(), stage(), selection, window_->ui_scale());
@@ -104,9 +112,9 @@ void Preview::draw_ui(DurationNs dt_ns) {
   show_exposure();
   draw_questions();
   if (std::string news = desk_->take_news(); !news.empty()) tell(std::move(news));
-  draw_toasts(messages_, begun_ns, {static_cast<float>(where.size.x), static_cast<float>(where.size.y)},
+  draw_toasts(messages_, begun_ns, {static_cast<float>(size.x), static_cast<float>(size.y)},
               window_->ui_scale());
-  const auto width = static_cast<float>(where.size.x);
+  const auto width = static_cast<float>(size.x);
   const float below = outputs_ ? draw_live_band(outputs_view_, width, window_->ui_scale()) : 0;
   draw_made_up_tag(inputs_view_, width, below);
   if (recording_) draw_recording_mark(recording_->elapsed_ns(), window_->ui_scale());
@@ -156,6 +164,7 @@ bool Preview::take_box(bool handle) {
 }
 
 void Preview::take_mouse() {
+  take_active_view();
   const bool handle = take_handles();
   if (handles_.dragging() || take_box(handle)) {
     pressed_on_stage_.fill(false);  // a drag of the camera that is under way ends: it would be in the same gesture
@@ -268,13 +277,14 @@ void Preview::call(const UiCall& call) {
       frame_box(bounds.low_m, bounds.high_m);
       break;
     }
-    case UiAction::kMeasure: desk_->measure() = {!desk_->measure().on, std::nullopt, std::nullopt}; break;
+    case UiAction::kMeasure: desk_->measure() = {!desk_->measure().on, {}, {}}; break;
     case UiAction::kFloorLines: desk_->set_floor_lines(!desk_->floor_lines()); break;
     case UiAction::kCompare: compare_from_here(); break;
     case UiAction::kEndCompare: desk_->comparison() = {}; break;
     case UiAction::kCamera: take_camera(static_cast<std::size_t>(call.argument)); break;
     case UiAction::kStoreCamera: store_new_camera(); break;
     case UiAction::kViewFrom: view_from_side(static_cast<ViewSide>(call.argument)); break;
+    case UiAction::kViews: call_views(call.argument == 1); break;
     case UiAction::kFly: desk_->fly().set_on(!desk_->fly().on()); break;
     case UiAction::kWorkLight: controls_.work_light = !controls_.work_light; break;
     case UiAction::kFlashes:

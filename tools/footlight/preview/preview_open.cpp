@@ -57,6 +57,10 @@ Status Preview::load_rig(double aspect) {
   return {};
 }
 
+void Preview::mark_start(const char* ended) {
+  start_marks_.emplace_back(ended, static_cast<double>(clock_.now_ns() - begun_ns_) * 1e-6);
+}
+
 // That of the window, which shows pictures and draws panels. The GPU is the same as that of the stage.
 Status Preview::open_window_device() {
   render::vk::DeviceOptions device;
@@ -85,6 +89,7 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   open_markers();
   desk_->list_definitions_in(fixtures::definition_folders(options_.library, edited_->file().target()));
   desk_->start_view(OrbitCamera(camera), {static_cast<float>(camera.exposure_ev), options_.display.auto_exposure});
+  start_views();
   show_exposure();
   FL_TRY(panels_.open_words(options_.panels, *desk_));
   desk_->set_handles(options_.handles);
@@ -117,10 +122,12 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   controls_.panel = window_->width() < kStripWidth ? PanelState::kStrip : PanelState::kFull;
   if (device_->is_software()) {
     // One picture every few seconds is too slow: start with fewer pixels; the user can select all of them.
-    const int pixels = place().width * place().height;
+    const int pixels = place_of(0).width * place_of(0).height;
     while (controls_.divisor < 4 && pixels / (controls_.divisor * controls_.divisor) > kSoftwarePixels) {
       controls_.divisor *= 2;
     }
+    // Nor is the automatic exposure to begin from another picture.
+    is_rough_ = !facts_.quality.any() && !controls_.auto_exposure;
   }
   facts_.rig = framed_->rig.name;
   facts_.device = device_->name();
@@ -156,26 +163,32 @@ Result<bool> Preview::open(const StopSignal& signal) {
   }
   FL_TRY(open_settings());
   FL_ASSIGN(window_, Window::open("Footlight", size.width, size.height));
+  mark_start("window");
   show_look();
   FL_TRY(open_window_device());
+  mark_start("window_device");
   FL_TRY(show_progress(quick ? "Preparing the picture" : "Reading the rig"));
   FL_TRY(open_device());
+  mark_start("stage_device");
   if (!quick) {
     FL_ASSIGN(const bool goes_on, wait_for(reading, signal, "Reading the rig"));
     if (!goes_on) return false;
     FL_TRY(take_rig());
   }
+  mark_start("rig");
   title_ = fmt::format("{} - Footlight", framed_->rig.name);
   window_->set_title(title_);
   FL_TRY(show_progress("Preparing the picture"));
   FL_TRY(set_controls(camera));
-  const PixelRect where = place();
+  const PixelRect where = place_of(0);
   std::future<Status> making = begin([this, where]() -> Status {
     FL_TRY(make_ladder());
     FL_TRY(rebuild(where));
     return player_ ? player_->show(options_.at_ns, driven()) : Status{};
   });
-  return wait_for(making, signal, "Preparing the picture");
+  FL_ASSIGN(const bool goes_on, wait_for(making, signal, "Preparing the picture"));
+  mark_start("frame");
+  return goes_on;
 }
 
 // Keeps the window responsive until the work is done. False: it was closed, and the work is done.

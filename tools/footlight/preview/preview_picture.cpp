@@ -36,16 +36,30 @@ double Preview::haze_per_m() const {
 Status Preview::follow_flashes() {
   const FlashMode mode = desk_->flashes();
   const bool limits = mode == FlashMode::kLimit;
-  if (mode == FlashMode::kOff ? !flashes_ : flashes_ && flashes_->limits() == limits) return {};
-  facts_.flashes_harmful = facts_.flashes_held = false;
-  if (flashes_ && mode != FlashMode::kOff) {
-    flashes_->set_limits(limits);
-    return {};
+  for (int i = 0; i < kViewsMax; ++i) {
+    View& view = views_[static_cast<std::size_t>(i)];
+    const bool wanted = mode != FlashMode::kOff && i < desk_->views();
+    if (wanted ? view.flashes && view.flashes->limits() == limits : !view.flashes) continue;
+    view.flashes_held = facts_.flashes_harmful = facts_.flashes_held = false;
+    if (wanted && view.flashes) {
+      view.flashes->set_limits(limits);  // it remembers the flashes that were shown
+      continue;
+    }
+    view.flashes.reset();
+    if (!wanted) continue;
+    FL_ASSIGN(view.flashes, PreviewFlashes::make(*device_, limits));
   }
-  flashes_.reset();
-  if (mode == FlashMode::kOff) return {};
-  FL_ASSIGN(flashes_, PreviewFlashes::make(*device_, limits));
   return {};
+}
+
+// Between two pictures: after the first one, which is there soon because it is rough, the pipelines of whole pictures
+// are compiled beside rough ones.
+void Preview::follow_first_picture(const PixelRect& where) {
+  if (!is_rough_ || times_.count() == 0) return;
+  if (!std::exchange(compiles_whole_, true)) frame_->compile_ahead(frame_settings(where, false));
+  if (!times_out_ && !device_->pipelines().finished()) return;
+  is_rough_ = false;
+  for (View& view : views_) view.pictures = 0;  // those that count
 }
 
 // The curves of this machine, which take seconds to measure the first time. Any thread.

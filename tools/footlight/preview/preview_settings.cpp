@@ -24,6 +24,7 @@ Status Preview::open_settings() {
   if (!options_.theme.empty()) {
     FL_ASSIGN(settings_.theme, theme_of(options_.theme));
   }
+  settings_.views = options_.views.value_or(settings_.views);
   settings_.ui_percent = options_.ui_percent.value_or(settings_.ui_percent);
   return {};
 }
@@ -49,6 +50,7 @@ void Preview::follow_settings() {
   WindowSettings kept = saved_settings_;
   if (settings_.theme != shown_settings_.theme) kept.theme = settings_.theme;
   if (settings_.ui_percent != shown_settings_.ui_percent) kept.ui_percent = settings_.ui_percent;
+  if (settings_.views != shown_settings_.views) kept.views = settings_.views;
   kept.recent_rigs = settings_.recent_rigs;
   if (settings_ != shown_settings_) show_look();
   if (settings_path_.empty() || kept == saved_settings_) return;

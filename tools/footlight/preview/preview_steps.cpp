@@ -57,6 +57,25 @@ Status Preview::work_at_index() {
   return {};
 }
 
+// A small picture of the log in place of one of the stage, while the timeline may be open.
+Status Preview::begin_thumbnail() {
+  if (!player_ || !panels_.any_open() || is_rough_ || picture_ns_ < 0) return {};
+  const bool paused = !controls_.transport.playing;
+  if (!thumbnails_.is_due(last_ns_, player_->index(), player_->duration_ns(), paused)) return {};
+  if (desk_->cameras().empty()) return {};
+  const double work_lx = controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0;
+  FL_TRY(thumbnails_.begin(last_ns_, *device_, *frame_, *player_->index(), player_->duration_ns(),
+                           {desk_->cameras().front(), work_lx}));
+  picture_since_ns_ = -1;
+  return {};
+}
+
+Status Preview::take_thumbnail() {
+  if (!thumbnails_.in_flight()) return {};
+  FL_ASSIGN(const bool done, thumbnails_.done(times_out_ ? StagePicture::kForeverNs : 0));
+  return done ? thumbnails_.finish(clock_.now_ns(), *frame_) : Status{};
+}
+
 bool Preview::overlays() const { return desk_->overlays() || layer_->overlays(); }
 
 // In this order: a blackout by hand is over what was taken over.
@@ -135,6 +154,7 @@ Status Preview::step_levels() {
 // Up to this turn, while a picture is in flight: for panels and outputs. The steps wait in the frame for the next
 // picture. What needs the GPU waits for the end of this one: seeks, a log that repeats, too many steps, and edits.
 Status Preview::step_meanwhile() {
+  if (thumbnails_.in_flight()) return {};  // the frame has the states of another time
   const DurationNs dt_ns = last_ns_ - stepped_ns_;
   const bool edited = edited_->scene() != framed_ && edited_->scene() != failed_;
   if (edited || dt_ns < kMeanwhileNs || frame_->steps_are_due()) return {};

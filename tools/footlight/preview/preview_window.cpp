@@ -27,6 +27,13 @@ constexpr DurationNs kFactsNs = 100 * kNsPerMs;    // from one moment that the s
 constexpr DurationNs kLossPauseNs = 60 * kNsPerS;  // devices that are lost sooner one after the other are counted
 constexpr int kLossesMax = 3;
 
+// A side of a rough picture of w x h pixels has so many times fewer.
+int rough_divisor(int width, int height, std::uint32_t beams) {
+  constexpr double kPixelsTimesBeams = 15e6;  // less than a second of software on two cores
+  const double whole = static_cast<double>(width) * height * beams;
+  return static_cast<int>(std::clamp(std::ceil(std::sqrt(whole / kPixelsTimesBeams)), 2.0, 5.0));
+}
+
 // What the camera makes of the light.
 void take_display(const PreviewControls& controls, render::FrameSettings& settings) {
   settings.glare = static_cast<double>(controls.glare_percent) / 100;
@@ -89,7 +96,9 @@ Status Preview::pace() {
   const bool waits_itself = presented_ && !device_->is_software();
   const DurationNs left_ns = last_ns_ + (waits_itself ? tick_ns / 2 : tick_ns) - clock_.now_ns();
   if (left_ns <= 0) return {};
-  if (picture_->in_flight() && clock_.now_ns() - drawn_ns_ > tick_ns) {
+  if (thumbnails_.in_flight()) {
+    FL_TRY(thumbnails_.done(static_cast<std::uint64_t>(left_ns)));
+  } else if (picture_->in_flight() && clock_.now_ns() - drawn_ns_ > tick_ns) {
     FL_TRY(picture_->done(static_cast<std::uint64_t>(left_ns)));
   } else {
     window_->pause(static_cast<double>(left_ns) * 1e-9);
@@ -108,8 +117,9 @@ Status Preview::turn() {
   turn_times_.add(static_cast<double>(dt_ns) * 1e-6);
   last_ns_ = now_ns;
   times_out_ = options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9;
+  FL_TRY(take_thumbnail());
   FL_TRY(take_picture());
-  if (times_out_ && (times_.count() > 0 || window_->minimised())) {  // a short time still shows a picture
+  if (times_out_ && (shows_all() || window_->minimised())) {  // a short time still shows a picture
     closing_ = true;
     window_->keep_shot();
   }
@@ -119,10 +129,10 @@ Status Preview::turn() {
   follow_exchange();
   keep_edits();
   keep_markers();
-  const PixelRect where = place();
+  const PixelRect where = place_of(0);  // all have its size
   follow_hand();
   report_recording(false);
-  if (picture_->in_flight()) {
+  if (picture_->in_flight() || thumbnails_.in_flight()) {
     FL_TRY(step_meanwhile());
   } else {
     FL_TRY(turn_stage(where));
@@ -132,18 +142,25 @@ Status Preview::turn() {
   presented_ = false;
   if (window_->minimised()) return {};
   const TimeNs shows_ns = clock_.now_ns();
-  FL_ASSIGN(const Window::Shown shown, window_->show(where));
+  std::array<PixelRect, kViewsMax> places;
+  const auto views = static_cast<std::size_t>(desk_->views());
+  for (std::size_t i = 0; i < views; ++i) places[i] = place_of(static_cast<int>(i));
+  FL_ASSIGN(const Window::Shown shown, window_->show(std::span(places).first(views)));
   presented_ = shown == Window::Shown::kNew;
   if (presented_) show_times_.add(static_cast<double>(clock_.now_ns() - shows_ns) * 1e-6);
   if (presented_) shot_taken_ = std::exchange(shot_asked_, false);
-  if (presented_ && picture_ns_ < 0 && times_.count() > 0) picture_ns_ = clock_.now_ns() - begun_ns_;
+  if (presented_ && times_.count() > 0) {
+    if (picture_ns_ < 0) picture_ns_ = clock_.now_ns() - begun_ns_;
+    if (whole_ns_ < 0 && !shows_rough_) whole_ns_ = clock_.now_ns() - begun_ns_;
+  }
   return {};
 }
 
 // All that touches the frame between two pictures, and the beginning of the next one.
 Status Preview::turn_stage(const PixelRect& where) {
+  follow_first_picture(where);
   FL_ASSIGN(bool still, follow_quality());
-  if (!still) {  // one other thread at a time uses the device
+  if (!still && !is_rough_) {  // one other thread at a time uses the device
     FL_ASSIGN(still, follow_edits(where));
   }
   if (still) {
@@ -151,6 +168,7 @@ Status Preview::turn_stage(const PixelRect& where) {
     picture_since_ns_ = -1;  // the time until the next picture is not its own
     return {};
   }
+  FL_TRY(follow_views());
   FL_TRY(follow_flashes());
   if (!fits_controls(where)) FL_TRY(rebuild(where));
   FL_TRY(update_error());
@@ -163,7 +181,9 @@ Status Preview::turn_stage(const PixelRect& where) {
     picture_since_ns_ = -1;
     return frame_->run_steps();
   }
-  return closing_ ? Status{} : draw();
+  if (closing_) return {};
+  FL_TRY(begin_thumbnail());
+  return thumbnails_.in_flight() ? Status{} : draw();
 }
 
 // False: the frame has to be another one, for its size or its settings. A new size counts when it has settled.
@@ -174,16 +194,17 @@ bool Preview::fits_controls(const PixelRect& where) {
     wanted_since_ns_ = last_ns_;
   }
   const render::FrameSettings& settings = frame_->settings();
-  const bool other_size = settings.width != std::max(where.width / controls_.divisor, 1) ||
-                          settings.height != std::max(where.height / controls_.divisor, 1);
+  const render::FrameSettings wanted = frame_settings(where, is_rough_);
+  const bool other_size = settings.width != wanted.width || settings.height != wanted.height;
   render::Knobs knobs = knobs_;
   knobs.nodes = static_cast<std::uint32_t>(controls_.nodes);
   render::Knobs drawn = render::knobs_of(settings);
   drawn.divisor = knobs.divisor;  // a part of the size
   if (knobs.gobo_method == render::GoboMethod::kSuited) drawn.gobo_method = knobs.gobo_method;
-  const bool settled = last_ns_ - wanted_since_ns_ >= kSettleNs && !window_->minimised();
-  return drawn == knobs && controls_.haze == settings.haze && !other_display(controls_, settings) &&
-         !(other_size && settled);
+  const bool settled =
+      (last_ns_ - wanted_since_ns_ >= kSettleNs || sized_views_ != desk_->views()) && !window_->minimised();
+  return drawn == knobs && wanted.edge_samples == settings.edge_samples && controls_.haze == settings.haze &&
+         !other_display(controls_, settings) && !(other_size && settled);
 }
 
 // Begins a picture.
@@ -191,19 +212,22 @@ Status Preview::draw() {
   const VkImage screen = frame_->resources().picture.screen.handle;
   const render::FrameSettings& settings = frame_->settings();
   drawn_ns_ = last_ns_;
-  drawn_camera_ = desk_->state().camera;
+  const int active = desk_->state().view;
+  drawn_view_ = view_turns_.next(desk_->views(), active);
+  drawn_camera_ = desk_->camera_of(drawn_view_);
   if (picture_since_ns_ < 0) picture_since_ns_ = drawn_ns_;
   return picture_->begin(screen, settings.width, settings.height, [&](VkCommandBuffer commands) {
     frame_->set_haze_per_m(haze_per_m());
     frame_->set_work_light_lx(controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0);
-    frame_->record(commands, render::view_of(drawn_camera_->camera()), controls_.exposure_ev);
-    error_drawn_ = error_ != nullptr;
-    if (error_) error_->record(commands);
+    frame_->record(commands, render::view_of(drawn_camera_->camera()), controls_.exposure_ev, drawn_view_ == active);
+    error_drawn_ = error_ && drawn_view_ == active;
+    if (error_drawn_) error_->record(commands);
     render::vk::full_barrier(commands);
     const VkBufferCopy region{0, 0, sizeof(render::CountsRow)};
     vkCmdCopyBuffer(commands, frame_->resources().rig.counts.handle, counts_.handle, 1, &region);
     render::vk::host_barrier(commands);
-    if (flashes_) flashes_->record_read(commands, screen, settings.width, settings.height);
+    PreviewFlashes* flashes = views_[static_cast<std::size_t>(drawn_view_)].flashes.get();
+    if (flashes != nullptr) flashes->record_read(commands, screen, settings.width, settings.height);
   });
 }
 
@@ -214,21 +238,26 @@ Status Preview::take_picture() {
   if (!done) return {};
   const HostPicture picture = picture_->take();
   FL_TRY(read_picture());
+  View& view = views_[static_cast<std::size_t>(drawn_view_)];
+  ++view.pictures;
+  PreviewFlashes* flashes = view.flashes.get();
   // It was begun before they were to be held back, and nothing has looked at it.
-  if (desk_->flashes() == FlashMode::kLimit && (!flashes_ || !flashes_->limits())) return {};
-  if (flashes_) {
+  if (desk_->flashes() == FlashMode::kLimit && (flashes == nullptr || !flashes->limits())) return {};
+  if (flashes != nullptr) {
     const DurationNs at_ns = last_ns_ - start_ns_;
-    const std::size_t stretches = flashes_->watch().stretches().size();
-    if (flashes_->limits()) {
-      facts_.flashes_held = flashes_->must_wait(at_ns);
+    const std::size_t stretches = flashes->watch().stretches().size();
+    if (flashes->limits()) {
+      view.flashes_held = flashes->must_wait(at_ns);
     } else {
-      (void)flashes_->take(at_ns);
+      (void)flashes->take(at_ns);
     }
-    tell_flashes(flashes_->watch().stretches().size() > stretches);
-    if (facts_.flashes_held) return {};
+    tell_flashes(flashes->watch().stretches().size() > stretches);
+    if (view.flashes_held) return {};
   }
-  shown_camera_ = drawn_camera_;
-  return window_->set_picture(picture);
+  if (drawn_view_ >= desk_->views()) return {};  // it was closed meanwhile
+  view.shown = drawn_camera_;
+  shows_rough_ = is_rough_;
+  return window_->set_picture(drawn_view_, picture);
 }
 
 // The figures of a picture that is done.
@@ -291,14 +320,21 @@ void Preview::read_second() {
 }
 
 void Preview::tell_flashes(bool begins) {
-  facts_.flashes_harmful = flashes_->watch().harmful();
+  facts_.flashes_harmful = facts_.flashes_held = false;
+  bool limits = false;
+  for (const View& view : views_) {
+    if (!view.flashes) continue;
+    facts_.flashes_harmful = facts_.flashes_harmful || view.flashes->watch().harmful();
+    facts_.flashes_held = facts_.flashes_held || view.flashes_held;
+    limits = view.flashes->limits();
+  }
   if (!begins) return;
   if (options_.json) {
     const nlohmann::json line = {{"event", "flashes-begin"}, {"time_ns", drawn_ns_ - start_ns_}};
     fmt::print("{}\n", line.dump());
   } else {
     fmt::print(stderr, "footlight: flashes that can harm people with photosensitive epilepsy{}\n",
-               flashes_->limits() ? "; held back" : "; --flashes limit holds them back");
+               limits ? "; held back" : "; --flashes limit holds them back");
   }
 }
 
@@ -316,23 +352,30 @@ Status Preview::update_error() {
     error_.reset();
     facts_.error = {};
     error_tried_ = false;
-  } else if (!error_ && !error_tried_) {
-    error_tried_ = true;
+  } else if (!error_ && !error_tried_ && !is_rough_) {
     const fixtures::Needs& needs = framed_->compiled.needs;
-    if (needs.laser || needs.panes || needs.displays) return {};  // it computes beams again, and nothing else
+    const bool measures = !needs.laser && !needs.panes && !needs.displays;  // it computes beams again, and nothing else
+    if (measures && !error_begun_) render::LiveError::compile_ahead(*device_, frame_->settings(), needs);
+    error_begun_ = true;
+    if (!times_out_ && !device_->pipelines().finished()) return {};  // pictures go on without it
+    error_tried_ = true;
+    if (!measures) return {};
     FL_ASSIGN(error_, render::LiveError::create(*device_, *frame_, needs));
   }
   return {};
 }
 
 // The current size, nodes and haze.
-render::FrameSettings Preview::frame_settings(const PixelRect& where) const {
+render::FrameSettings Preview::frame_settings(const PixelRect& where, bool rough) const {
   render::FrameSettings settings;
-  settings.width = std::max(where.width / controls_.divisor, 1);
-  settings.height = std::max(where.height / controls_.divisor, 1);
+  int divisor = controls_.divisor;
+  if (rough) divisor *= rough_divisor(where.width / divisor, where.height / divisor, framed_->compiled.beams_max);
+  settings.width = std::max(where.width / divisor, 1);
+  settings.height = std::max(where.height / divisor, 1);
   settings = render::with_knobs(settings, knobs_);
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
   settings.edge_samples = options_.edge_samples.value_or(render::suited_edge_samples(*device_));
+  if (rough) settings.edge_samples = 0;
   settings.shadows = options_.display.shadows;
   settings.shadow_map_px = options_.display.shadow_map_px;
   settings.bounce = options_.bounce;
@@ -343,13 +386,15 @@ render::FrameSettings Preview::frame_settings(const PixelRect& where) const {
 
 // A frame of these settings. The states of the fixtures move from the old frame to the new one.
 Status Preview::rebuild(const PixelRect& where) {
-  const render::FrameSettings settings = frame_settings(where);
+  const render::FrameSettings settings = frame_settings(where, is_rough_);
   error_.reset();
-  error_tried_ = error_drawn_ = false;
+  error_tried_ = error_begun_ = error_drawn_ = false;
+  thumbnails_.drop_frame();
   if (frame_) {
     FL_TRY(frame_->change(settings));
   } else {
-    FL_ASSIGN(frame_, render::Frame::create(*device_, framed_->rig, framed_->compiled, settings));
+    FL_ASSIGN(frame_, render::Frame::create(*device_, framed_->rig, framed_->compiled, frame_settings(where, false),
+                                            render::product_passes(), &settings));
     videos_.show_all_again();
     print_warnings(frame_->resources().rig.diagnostics);
     if (hand_) frame_->settle_machine_air(hand_->levels());
@@ -357,6 +402,7 @@ Status Preview::rebuild(const PixelRect& where) {
   picture_since_ns_ = -1;
   wanted_width_ = where.width;
   wanted_height_ = where.height;
+  sized_views_ = desk_->views();
   return {};
 }
 
@@ -394,13 +440,14 @@ Status Preview::replace_window() {
 Status Preview::replace_stage() {
   if (device_) messages_before_ += device_->validation_messages().size();
   drop_frame();
+  thumbnails_.drop_frame();
   picture_.reset();
   const bool measures = facts_.measures_knobs;
   drop_curves();
   facts_.measures_knobs = measures;  // on the new device
   error_.reset();
   frame_.reset();
-  flashes_.reset();
+  for (View& view : views_) view.flashes.reset();
   facts_.flashes_held = false;
   counts_ = {};
   device_.reset();
@@ -408,11 +455,12 @@ Status Preview::replace_stage() {
   facts_.device = device_->name();
   const TimeNs at_ns = player_ ? player_->now_ns() : 0;
   const SharedScene before = std::exchange(framed_, edited_->scene());
-  FL_TRY(rebuild(place()));
+  FL_TRY(rebuild(place_of(0)));
   if (before != framed_) {
     FL_TRY(take_scene(*before));
     if (player_) player_ = make_player(framed_);
     curve_.reset();
+    thumbnails_.clear();
   }
   panels_.restart();
   last_ns_ = stepped_ns_ = clock_.now_ns();  // a log does not play meanwhile

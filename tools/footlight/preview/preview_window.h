@@ -36,6 +36,7 @@
 #include "tools/footlight/preview/live_levels.h"
 #include "tools/footlight/preview/live_outputs.h"
 #include "tools/footlight/preview/log_player.h"
+#include "tools/footlight/preview/log_thumbnails.h"
 #include "tools/footlight/preview/preview.h"
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
@@ -51,6 +52,7 @@
 #include "tools/footlight/preview/ui/stage_box.h"
 #include "tools/footlight/preview/ui/stage_handles.h"
 #include "tools/footlight/preview/ui/stage_pick.h"
+#include "tools/footlight/preview/ui/stage_views.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
 #include "tools/footlight/preview/window.h"
 #include "tools/footlight/stop_signal.h"
@@ -99,6 +101,7 @@ class Preview {
   Status make_ladder();
   Result<render::KnobCurves> read_curves();
   void take_curves(const render::KnobCurves& curves);
+  void mark_start(const char* ended);
   Result<bool> wait_for(std::future<Status>& work, const StopSignal& signal, const char* what);
   Status show_progress(const char* what);
 
@@ -108,9 +111,10 @@ class Preview {
   Status take_picture();
   Status turn_stage(const PixelRect& where);
   [[nodiscard]] bool fits_controls(const PixelRect& where);
-  [[nodiscard]] render::FrameSettings frame_settings(const PixelRect& where) const;
+  [[nodiscard]] render::FrameSettings frame_settings(const PixelRect& where, bool rough) const;
   Status rebuild(const PixelRect& where);
   Status update_error();
+  void follow_first_picture(const PixelRect& where);
   void follow_knobs(const render::KnobPoint& point);
   Status draw();
   Status read_picture();
@@ -142,6 +146,8 @@ class Preview {
   [[nodiscard]] std::unique_ptr<LogPlayer> make_player(SharedScene scene);
   [[nodiscard]] LogPlayer::Driven driven();
   Status work_at_index();
+  Status take_thumbnail();
+  Status begin_thumbnail();
   void give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure);
   [[nodiscard]] std::span<const std::uint8_t> panel_levels();
   [[nodiscard]] bool overlays() const;
@@ -229,8 +235,18 @@ class Preview {
   void show_exposure();
   void tell(std::string news, bool wrong = false);
   void tell(const Error& error) { tell(error.message, true); }
+  // Of all views, and of one; stage() is the active one.
   [[nodiscard]] PixelRect place() const;
+  [[nodiscard]] PixelRect place_of(int view) const { return view_place(place(), desk_->views(), view); }
   [[nodiscard]] StagePlace stage() const;
+  // Several views: preview_views.cpp.
+  void start_views();
+  void set_views(int views);
+  void call_views(bool next);
+  Status follow_views();
+  void take_active_view();
+  [[nodiscard]] bool shows_all() const;
+  void draw_views();
   [[nodiscard]] const StagePick& pick();
 
   // What the window remembers: preview_settings.cpp.
@@ -246,6 +262,7 @@ class Preview {
   void draw_open_question();
 
   // Figures and pictures for files and standard output: preview_figures.cpp.
+  [[nodiscard]] std::vector<std::uint64_t> view_pictures() const;
   void print_second();
   void print_summary();
   Status write_shot();
@@ -299,15 +316,28 @@ class Preview {
   std::unique_ptr<Window> window_;
   std::unique_ptr<render::vk::Device> device_;  // of the stage
   std::unique_ptr<render::Frame> frame_;
-  std::unique_ptr<PreviewFlashes> flashes_;   // null: --flashes off
   double refresh_hz_ = 60;                    // of the screen
   TimeNs drawn_ns_ = 0;                       // when the newest picture was started
   std::optional<OrbitCamera> drawn_camera_;   // of it
-  std::optional<OrbitCamera> shown_camera_;   // of the picture that the window shows; nothing: there is none
+  int drawn_view_ = 0;                        // of it
+  // A view of the stage. All are drawn by frame_, in turn, and have the same size.
+  struct View {
+    std::optional<OrbitCamera> shown;         // camera of the picture that the window shows; nothing: there is none
+    std::unique_ptr<PreviewFlashes> flashes;  // null: --flashes off
+    bool flashes_held = false;
+    std::uint64_t pictures = 0;
+  };
+  std::array<View, kViewsMax> views_;
+  ViewTurns view_turns_;
+  int shown_views_ = 1;  // that follow_views() has seen
   render::vk::Buffer counts_;                 // of the current picture, for the panel
   std::unique_ptr<render::LiveError> error_;  // while the panel shows it; null in a rig without light
   render::Knobs knobs_;                       // but for nodes and divisor, which are those of controls_
+  bool error_begun_ = false;                  // what error_ needs is being compiled
   bool error_tried_ = false;                  // error_ was made, or cannot be
+  bool is_rough_ = false;                     // the first pictures: fewer pixels, no smooth edges; in software
+  bool shows_rough_ = false;                  // the window shows such a picture
+  bool compiles_whole_ = false;               // is_rough_ ends once the pipelines have finished
   bool error_drawn_ = false;                  // the current picture has its samples
   std::vector<render::KnobPoint> ladder_;     // for --error and --ms; else empty
   std::optional<render::TimeKeeper> keeper_;  // for --ms
@@ -326,6 +356,7 @@ class Preview {
   double picture_haze_per_m_ = 0;             // then
   std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
   std::unique_ptr<StagePicture> picture_;     // destroyed before what its commands use
+  LogThumbnails thumbnails_;                  // likewise; beside frame_
 
   // Edits.
   struct Made;
@@ -377,11 +408,14 @@ class Preview {
   FrameTimes times_;      // from picture to picture of the stage
   int wanted_width_ = 0;  // of the window's place for the picture when last looked at, and since when
   int wanted_height_ = 0;
+  int sized_views_ = 1;  // that frame_ has the size for
   TimeNs wanted_since_ns_ = 0;
 
   TimeNs begun_ns_ = 0;
   DurationNs progress_ns_ = -1;  // from there to the first text in the window; -1: not yet
   DurationNs picture_ns_ = -1;   // to the first picture
+  DurationNs whole_ns_ = -1;     // to the first one that is not rough
+  std::vector<std::pair<const char*, double>> start_marks_;  // what ended when, ms; until there is a frame
   TimeNs start_ns_ = 0;
   TimeNs last_ns_ = 0;            // when the last turn began
   TimeNs stepped_ns_ = 0;         // up to when the fixtures have moved

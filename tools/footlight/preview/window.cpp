@@ -83,8 +83,10 @@ Window::~Window() {
 }
 
 void Window::detach() {
-  if (const HostPicture last = picture_.picture(); !last.rgba.empty()) {
-    kept_ = {{last.rgba.begin(), last.rgba.end()}, last.width, last.height};
+  for (std::size_t i = 0; i < pictures_.size(); ++i) {
+    if (const HostPicture last = pictures_[i].picture(); !last.rgba.empty()) {
+      kept_[i] = {{last.rgba.begin(), last.rgba.end()}, last.width, last.height};
+    }
   }
   if (device_ != nullptr) {
     (void)device_->wait_idle();
@@ -103,7 +105,7 @@ void Window::detach() {
   }
   if (ImGui::GetCurrentContext() != nullptr) ImGui::DestroyContext();
   shot_ = {};
-  picture_ = {};
+  for (UploadedImage& picture : pictures_) picture = {};
   shelf_bytes_ = {};
   shown_.forget();
   damaged_ = true;
@@ -170,10 +172,11 @@ Status Window::attach(vk::Device& device) {
   FL_TRY(create_render_pass());
   FL_TRY(create_swapchain());
   FL_TRY(start_ui());
-  if (kept_.rgba.empty()) return {};
-  const Status shown = picture_.set(device, {kept_.rgba, kept_.width, kept_.height});
-  kept_ = {};
-  return shown;
+  for (std::size_t i = 0; i < pictures_.size(); ++i) {
+    const Kept kept = std::exchange(kept_[i], {});
+    if (!kept.rgba.empty()) FL_TRY(pictures_[i].set(device, {kept.rgba, kept.width, kept.height}));
+  }
+  return {};
 }
 
 // Draws ImGui's data over the copied picture.

@@ -6,9 +6,9 @@
 //   FL_TRY(window->attach(*device));
 //   while (!window->wants_close()) {
 //     window->poll();
-//     if (there is a new picture) FL_TRY(window->set_picture(picture));
+//     if (there is a new picture) FL_TRY(window->set_picture(0, picture));
 //     window->begin_ui();  ... ImGui ...  window->end_ui();
-//     FL_TRY(window->show(place));
+//     FL_TRY(window->show({&place, 1}));
 //   }
 //
 // The picture comes through memory of the host, so that the device that draws it can be another one, which may be busy
@@ -18,7 +18,9 @@
 // Independent of rigs. Threads: the main thread only, as GLFW requires. The device must outlive attach()ed windows.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,6 +31,7 @@
 #include "tools/footlight/preview/key_presses.h"
 #include "tools/footlight/preview/mouse_queue.h"
 #include "tools/footlight/preview/ui/picture_shelf.h"
+#include "tools/footlight/preview/ui/stage_views.h"
 #include "tools/footlight/preview/uploaded_image.h"
 #include "tools/footlight/preview/window_settings.h"
 #include "tools/footlight/preview/window_ui.h"
@@ -36,14 +39,6 @@
 struct GLFWwindow;
 
 namespace footlight::tools {
-
-struct PixelRect {
-  int x = 0;
-  int y = 0;
-  int width = 0;
-  int height = 0;
-  bool operator==(const PixelRect&) const = default;
-};
 
 class Window {
  public:
@@ -100,13 +95,16 @@ class Window {
   Status set_pictures(PictureShelf& pictures);
   // Returns when the GPU is done with the last show().
   Status wait_gpu();
-  // What the next show() shows; copies it. Until the first one there is none.
-  Status set_picture(const HostPicture& picture);
-  // The picture stretched over `place`, which is clipped to the window, and ImGui's draw data over it; the rest is
-  // black. Submits and presents. If the window has just changed its size, nothing is shown and the result is kLater.
+  // What the next show() shows in its place of this number; copies it. Until the first one there is none.
+  Status set_picture(int view, const HostPicture& picture);
+  // Frees the pictures from this number on.
+  Status drop_pictures(int from_view);
+  // The pictures, each stretched over its place, which is clipped to the window, and ImGui's draw data over them; the
+  // rest is black. At most kViewsMax places. Submits and presents. If the window has just changed its size, nothing is
+  // shown and the result is kLater.
   // If all of it is what the window shows already, nothing needs to be done: kSame.
   enum class Shown { kLater, kSame, kNew };
-  [[nodiscard]] Result<Shown> show(const PixelRect& place);
+  [[nodiscard]] Result<Shown> show(std::span<const PixelRect> places);
 
   // The next show() keeps a copy of the window for read_shot().
   void keep_shot() { shot_wanted_ = true; }
@@ -123,7 +121,9 @@ class Window {
   Status start_renderer();
   Status remake_fonts();
   Status present(std::uint32_t index);
-  void record_picture(VkCommandBuffer commands, VkImage target, const PixelRect& place);
+  void record_pictures(VkCommandBuffer commands, VkImage target);
+  void record_picture(VkCommandBuffer commands, VkImage target, const UploadedImage& picture,
+                      const PixelRect& place);
   void record_shelf(VkCommandBuffer commands);
   void record_ui(VkCommandBuffer commands, const VkFramebuffer& target);
   static void on_key(GLFWwindow* window, int key, int scancode, int action, int mods);
@@ -182,18 +182,19 @@ class Window {
   VkSemaphore acquired_ = VK_NULL_HANDLE;
   VkFence done_ = VK_NULL_HANDLE;
 
-  UploadedImage picture_;
-  struct {
+  std::array<UploadedImage, kViewsMax> pictures_;
+  struct Kept {
     std::vector<std::uint8_t> rgba;
     int width = 0;
     int height = 0;
-  } kept_;                            // the last picture of a device that was let go
+  };
+  std::array<Kept, kViewsMax> kept_;  // the last pictures of a device that was let go
   int shelf_rect_ = -1;               // of set_pictures(), in ImGui's atlas of glyphs
   std::uint64_t shelf_revision_ = 0;  // that the atlas has, or shelf_bytes_
   bool shelf_fresh_ = false;          // shelf_bytes_ are not yet in the atlas
   render::vk::Buffer shelf_bytes_;    // made with the first picture
   ShownUi shown_;
-  PixelRect place_;      // of the last show()
+  std::vector<PixelRect> places_;  // of the last show()
   bool damaged_ = true;  // the window shows something else than the last show()
 
   bool shot_wanted_ = false;

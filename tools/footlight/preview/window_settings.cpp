@@ -11,6 +11,7 @@
 #include "fixtures/files/import/archive.h"
 #include "fixtures/files/toml/toml_reader.h"
 #include "fixtures/files/toml/toml_text.h"
+#include "tools/footlight/preview/ui/stage_views.h"
 
 namespace footlight::tools {
 namespace {
@@ -46,8 +47,9 @@ std::string window_settings_path(const std::string& state_folder) {
 }
 
 std::string text_of(const WindowSettings& settings) {
-  std::string text = fmt::format("# Settings of the window of 'footlight preview'.\ntheme = \"{}\"\nui_percent = {}\n",
-                                 word_of(settings.theme), settings.ui_percent);
+  std::string text = fmt::format("# Settings of the window of 'footlight preview'.\ntheme = \"{}\"\nui_percent = {}\n"
+                                 "views = {}\n",
+                                 word_of(settings.theme), settings.ui_percent, settings.views);
   if (settings.recent_rigs.empty()) return text;  // an empty list is an error of a file
   text += "recent_rigs = [\n";
   for (const std::string& path : settings.recent_rigs) text += fmt::format("  {},\n", fixtures::toml_text(path));
@@ -61,6 +63,7 @@ Result<WindowSettings> parse_window_settings(std::string_view text, const std::s
   const std::string theme = reader.text("theme", word_of(settings.theme));
   settings.ui_percent =
       static_cast<int>(reader.integer("ui_percent", kUiPercentMin, kUiPercentMax, settings.ui_percent));
+  settings.views = static_cast<int>(reader.integer("views", 1, kViewsMax, settings.views));
   if (reader.has("recent_rigs")) {
     for (auto& [rig, at] : reader.texts("recent_rigs")) settings.recent_rigs.push_back(std::move(rig));
   }
@@ -69,6 +72,10 @@ Result<WindowSettings> parse_window_settings(std::string_view text, const std::s
     settings.theme = *known;
   } else {
     return fail(ErrorCode::kBadInput, "{}:{}: {}", path, reader.place_of("theme"), known.error().message);
+  }
+  if (!is_view_count(settings.views)) {
+    return fail(ErrorCode::kBadInput, "{}:{}: views {}: expected 1, 2 or 4", path, reader.place_of("views"),
+                settings.views);
   }
   if (settings.recent_rigs.size() > WindowSettings::kRecentMax) {
     settings.recent_rigs.resize(WindowSettings::kRecentMax);

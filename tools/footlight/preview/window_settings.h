@@ -24,6 +24,7 @@ struct WindowSettings {
   static constexpr std::size_t kRecentMax = 10;
   UiTheme theme = UiTheme::kDark;
   int ui_percent = 100;                  // of the size that suits the screen
+  int views = 1;                         // of the stage: 1, 2 or 4
   std::vector<std::string> recent_rigs;  // absolute paths, the newest first
   bool operator==(const WindowSettings&) const = default;
   // Puts a rig in front of the others.

@@ -34,30 +34,37 @@ void Window::record_shot(VkCommandBuffer commands, VkImage image) {
   change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
 }
 
-// The picture and black around it.
-void Window::record_picture(VkCommandBuffer commands, VkImage target, const PixelRect& place) {
-  const auto width = static_cast<int>(extent_.width);
-  const auto height = static_cast<int>(extent_.height);
-  const int left = std::clamp(place.x, 0, width);
-  const int top = std::clamp(place.y, 0, height);
-  const bool is_there = picture_.image() != VK_NULL_HANDLE;
-  const int right = is_there ? std::clamp(place.x + place.width, left, width) : left;
-  const int bottom = is_there ? std::clamp(place.y + place.height, top, height) : top;
-  if (left > 0 || top > 0 || right < width || bottom < height) {
+// The pictures and black around them.
+void Window::record_pictures(VkCommandBuffer commands, VkImage target) {
+  const PixelRect whole{0, 0, static_cast<int>(extent_.width), static_cast<int>(extent_.height)};
+  const bool covered = places_.size() == 1 && places_[0] == whole && pictures_[0].image() != VK_NULL_HANDLE;
+  if (!covered) {
     const VkClearColorValue black{{0, 0, 0, 1}};
     const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &black, 1, &range);
     change_layout(commands, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   }
+  for (std::size_t i = 0; i < places_.size(); ++i) record_picture(commands, target, pictures_[i], places_[i]);
+}
+
+void Window::record_picture(VkCommandBuffer commands, VkImage target, const UploadedImage& picture,
+                            const PixelRect& place) {
+  if (picture.image() == VK_NULL_HANDLE) return;
+  const auto width = static_cast<int>(extent_.width);
+  const auto height = static_cast<int>(extent_.height);
+  const int left = std::clamp(place.x, 0, width);
+  const int top = std::clamp(place.y, 0, height);
+  const int right = std::clamp(place.x + place.width, left, width);
+  const int bottom = std::clamp(place.y + place.height, top, height);
   if (right == left || bottom == top) return;
   VkImageBlit blit{};
   blit.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  blit.srcOffsets[1] = {picture_.width(), picture_.height(), 1};
+  blit.srcOffsets[1] = {picture.width(), picture.height(), 1};
   blit.dstSubresource = blit.srcSubresource;
   blit.dstOffsets[0] = {left, top, 0};
   blit.dstOffsets[1] = {right, bottom, 1};
-  const bool same_size = right - left == picture_.width() && bottom - top == picture_.height();
-  vkCmdBlitImage(commands, picture_.image(), VK_IMAGE_LAYOUT_GENERAL, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+  const bool same_size = right - left == picture.width() && bottom - top == picture.height();
+  vkCmdBlitImage(commands, picture.image(), VK_IMAGE_LAYOUT_GENERAL, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                  &blit, same_size ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
 }
 
@@ -71,9 +78,9 @@ void Window::record_ui(VkCommandBuffer commands, const VkFramebuffer& target) {
   vkCmdEndRenderPass(commands);
 }
 
-Status Window::set_picture(const HostPicture& picture) {
+Status Window::set_picture(int view, const HostPicture& picture) {
   FL_TRY(wait_gpu());
-  return picture_.set(*device_, picture);
+  return pictures_[static_cast<std::size_t>(view)].set(*device_, picture);
 }
 
 Status Window::set_pictures(PictureShelf& pictures) {
@@ -111,12 +118,20 @@ void Window::record_shelf(VkCommandBuffer commands) {
   change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 }
 
-Result<Window::Shown> Window::show(const PixelRect& place) {
+Status Window::drop_pictures(int from_view) {
+  FL_TRY(wait_gpu());
+  for (auto i = static_cast<std::size_t>(from_view); i < pictures_.size(); ++i) pictures_[i] = {};
+  return {};
+}
+
+Result<Window::Shown> Window::show(std::span<const PixelRect> places) {
   if (static_cast<int>(extent_.width) != width_ || static_cast<int>(extent_.height) != height_) stale_ = true;
-  const bool changes = shown_.changes(*ImGui::GetDrawData()) || picture_.is_fresh() || shelf_fresh_ || place != place_;
+  const bool fresh = std::any_of(pictures_.begin(), pictures_.end(), [](const auto& one) { return one.is_fresh(); });
+  const bool moved = !std::equal(places.begin(), places.end(), places_.begin(), places_.end());
+  const bool changes = shown_.changes(*ImGui::GetDrawData()) || fresh || shelf_fresh_ || moved;
   if (!changes && !stale_ && !damaged_ && !shot_wanted_) return Shown::kSame;
   damaged_ = true;  // until it is shown
-  place_ = place;
+  places_.assign(places.begin(), places.end());
   FL_TRY(wait_gpu());
   if (stale_) FL_TRY(create_swapchain());
   if (stale_) return Shown::kLater;
@@ -141,10 +156,10 @@ Result<Window::Shown> Window::show(const PixelRect& place) {
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   FL_TRY(vk::check(vkBeginCommandBuffer(commands_, &begin), "vkBeginCommandBuffer"));
   const Target& target = targets_[index];
-  picture_.record(commands_);
+  for (UploadedImage& picture : pictures_) picture.record(commands_);
   record_shelf(commands_);
   change_layout(commands_, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  record_picture(commands_, target.image, place);
+  record_pictures(commands_, target.image);
   record_ui(commands_, target.framebuffer);
   if (shot) record_shot(commands_, target.image);
   FL_TRY(vk::check(vkEndCommandBuffer(commands_), "vkEndCommandBuffer"));

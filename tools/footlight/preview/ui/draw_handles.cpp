@@ -110,13 +110,13 @@ void draw_stage_text(ImDrawList& draw, const StagePlace& place, glm::dvec2 at, c
   if (words.empty()) return;
   const ImVec2 size = ImGui::CalcTextSize(words.c_str());
   const float edge = 4 * scale;
-  const auto within = [&](double value, float needed, double room) {
-    return static_cast<float>(
-        std::clamp(value, static_cast<double>(edge),
-                   std::max(room - static_cast<double>(needed + edge), static_cast<double>(edge))));
+  const auto within = [&](double value, float needed, double from, double to) {
+    const double least = from + static_cast<double>(edge);
+    return static_cast<float>(std::clamp(value, least, std::max(to - static_cast<double>(needed + edge), least)));
   };
-  const ImVec2 low{within(at.x + 18.0 * static_cast<double>(scale), size.x, place.size.x),
-                   within(at.y + 10.0 * static_cast<double>(scale), size.y, place.size.y)};
+  const glm::dvec2 end = place.end();
+  const ImVec2 low{within(at.x + 18.0 * static_cast<double>(scale), size.x, place.origin.x, end.x),
+                   within(at.y + 10.0 * static_cast<double>(scale), size.y, place.origin.y, end.y)};
   draw.AddRectFilled({low.x - edge, low.y - edge / 2}, {low.x + size.x + edge, low.y + size.y + edge / 2},
                      IM_COL32(12, 13, 16, 215), 3 * scale);
   draw.AddText(low, IM_COL32(240, 240, 240, 255), words.c_str());
@@ -125,7 +125,7 @@ void draw_stage_text(ImDrawList& draw, const StagePlace& place, glm::dvec2 at, c
 void draw_handles(const StageHandles& handles, const UiDesk& desk, const StagePick& pick, const StagePlace& place,
                   float scale) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  draw.PushClipRect({0, 0}, vec(place.size));
+  draw.PushClipRect(vec(place.origin), vec(place.end()));
   const HandlePart strong = handles.dragging() ? handles.dragged() : handles.hovered();
   const auto shows = [&](HandlePart part) { return !handles.dragging() || strong == part; };
   draw_drag(draw, handles, desk, pick, place, scale);

@@ -24,7 +24,7 @@ void draw_measure(const StageMeasure& measure, const std::optional<glm::dvec3>& 
                   float scale) {
   if (!measure.on) return;
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  draw.PushClipRect({0, 0}, spot_of(place.size));
+  draw.PushClipRect(spot_of(place.origin), spot_of(place.end()));
   const std::optional<glm::dvec3>& end_m = measure.to_m ? measure.to_m : under_m;
   if (measure.from_m && end_m) {
     draw_stage_line(draw, place, *measure.from_m, *end_m, IM_COL32(0, 0, 0, 150), 4 * scale);
@@ -35,7 +35,7 @@ void draw_measure(const StageMeasure& measure, const std::optional<glm::dvec3>& 
   }
   draw.PopClipRect();
   if (!measure.from_m) {
-    draw_stage_text(*ImGui::GetForegroundDrawList(), place, {place.size.x / 2, 0},
+    draw_stage_text(*ImGui::GetForegroundDrawList(), place, place.origin + glm::dvec2(place.size.x / 2, 0),
                     "measure: click two points (Esc ends)", scale);
   } else if (end_m) {
     if (const auto at = projected(place, *end_m)) {
@@ -46,7 +46,7 @@ void draw_measure(const StageMeasure& measure, const std::optional<glm::dvec3>& 
 
 void draw_floor_lines(const FloorLines& lines, const StagePlace& place, float scale) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  draw.PushClipRect({0, 0}, spot_of(place.size));
+  draw.PushClipRect(spot_of(place.origin), spot_of(place.end()));
   for (int axis = 0; axis < 2; ++axis) {
     const int other = 1 - axis;
     for (int i = lines.low[axis]; i <= lines.high[axis]; ++i) {

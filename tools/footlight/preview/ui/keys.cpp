@@ -79,6 +79,8 @@ constexpr KeyRow kKeyRows[] = {
     {GLFW_KEY_F3, GLFW_MOD_SHIFT, {A::kViewFrom, 2}, false, "Shift+F3", "view from the left", UiMenu::kView},
     {GLFW_KEY_F4, GLFW_MOD_SHIFT, {A::kViewFrom, 3}, false, "Shift+F4", "view from the right", UiMenu::kView},
     {GLFW_KEY_F5, GLFW_MOD_SHIFT, {A::kViewFrom, 4}, false, "Shift+F5", "stage plan: straight down", UiMenu::kView},
+    {GLFW_KEY_V, GLFW_MOD_SHIFT, {A::kViews}, false, "Shift+V", "one, two or four views of the stage", UiMenu::kView},
+    {GLFW_KEY_TAB, 0, {A::kViews, 1}, true, "Tab", "the next view is the active one", UiMenu::kView},
     {GLFW_KEY_G, GLFW_MOD_SHIFT, {A::kFloorLines}, false, "Shift+G", "lines on the floor, 1 m apart", UiMenu::kView},
     {GLFW_KEY_T, 0, {A::kMeasure}, false, "T", "measure between two points that are clicked", UiMenu::kView},
     {GLFW_KEY_K, 0, {A::kCompare}, false, "K", "keep this moment, and compare its levels with now", UiMenu::kView},
@@ -137,6 +139,7 @@ constexpr MouseRow kMouseRows[] = {
     {"Right drag", "move sideways"},
     {"Right button on a camera", "in the side panel: store this view there, rename, delete"},
     {"Drag a handle (G)", "move or aim the selected fixtures; Ctrl: steps of 0.5 m; Esc: back"},
+    {"Mouse over another view", "keys, drags and the wheel move its camera"},
     {"Wheel", "nearer and farther"},
 };
 

@@ -27,6 +27,7 @@ enum class UiAction {
   kCamera,       // argument: its index
   kStoreCamera,  // the view as a new camera of the rig
   kViewFrom,     // argument: ViewSide
+  kViews,        // argument 0: one, two or four of them; 1: the next one is active
   kFly,          // held keys move the camera
   kMeasure,      // clicks measure distances
   kFloorLines,

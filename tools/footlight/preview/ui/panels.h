@@ -19,6 +19,7 @@
 #include "tools/footlight/preview/ui/outputs_view.h"
 #include "tools/footlight/preview/ui/picture_shelf.h"
 #include "tools/footlight/preview/ui/report_view.h"
+#include "tools/footlight/preview/ui/thumbnails.h"
 #include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
 
@@ -33,6 +34,7 @@ struct UiInput {
   Transport* transport = nullptr;        // of the log that plays; its second part may be changed
   const LightCurve* curve = nullptr;     // of it; may be missing
   const LightStrips* strips = nullptr;   // of it; may be missing
+  const Thumbnails* thumbnails = nullptr;  // of it; may be missing
   OutputsView* outputs = nullptr;        // to real lamps; its second part may be changed
   InputsView* inputs = nullptr;          // live ones; its second part may be changed
   const MessageLog* messages = nullptr;  // of the window

@@ -15,6 +15,8 @@ namespace {
 constexpr std::size_t kNamesMax = 24;  // with more of them selected, names would hide the picture
 constexpr float kSmallestUnits = 10;
 
+ImVec2 units_of(glm::dvec2 at) { return {static_cast<float>(at.x), static_cast<float>(at.y)}; }
+
 // The four corners of a rectangle.
 void draw_corners(ImDrawList& draw, ImVec2 low, ImVec2 high, ImU32 colour, float width) {
   const float arm = std::max(std::min(high.x - low.x, high.y - low.y) * 0.3f, 3.0f);
@@ -34,8 +36,7 @@ void draw_corners(ImDrawList& draw, ImVec2 low, ImVec2 high, ImU32 colour, float
 void draw_marks(const fixtures::Rig& rig, const StagePick& pick, const StagePlace& place, const Selection& selection,
                 float scale) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
-  const ImVec2 size(static_cast<float>(place.size.x), static_cast<float>(place.size.y));
-  draw.PushClipRect({0, 0}, size);
+  draw.PushClipRect(units_of(place.origin), units_of(place.end()));
   const ImU32 shade = IM_COL32(0, 0, 0, 160);
   const bool names = selection.fixtures.size() <= kNamesMax;
   for (std::size_t i = 0; i < std::min(selection.fixtures.size(), kMarksMax); ++i) {
@@ -80,8 +81,9 @@ void draw_fly(const FlyCamera& fly, const StagePlace& place, float scale) {
                   fly.speed_m_s());
   const float width = static_cast<float>(place.size.x) - 24 * scale;
   const ImVec2 needed = ImGui::CalcTextSize(words.c_str(), nullptr, false, std::max(width, 40.0f));
-  const ImVec2 at((static_cast<float>(place.size.x) - needed.x) / 2,
-                  static_cast<float>(place.size.y) - needed.y - 36 * scale);
+  const ImVec2 low = units_of(place.origin);
+  const ImVec2 at(low.x + (static_cast<float>(place.size.x) - needed.x) / 2,
+                  low.y + static_cast<float>(place.size.y) - needed.y - 36 * scale);
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   draw.AddRectFilled({at.x - 8 * scale, at.y - 4 * scale}, {at.x + needed.x + 8 * scale, at.y + needed.y + 4 * scale},
                      IM_COL32(0, 0, 0, 170), 3 * scale);

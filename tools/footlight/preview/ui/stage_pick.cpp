@@ -93,8 +93,9 @@ std::vector<int> StagePick::fixtures_in(const StagePlace& place, glm::dvec2 low,
 int StagePick::fixture_at(const StagePlace& place, glm::dvec2 at, double reach_units) const {
   const glm::dvec2 slopes = slopes_of(place);
   const glm::dvec3 from = place.view.position_m;
-  const glm::dvec3 way = place.view.forward + place.view.right * ((2 * at.x / place.size.x - 1) * slopes.x) +
-                         place.view.up * ((1 - 2 * at.y / place.size.y) * slopes.y);
+  const glm::dvec2 inside = at - place.origin;
+  const glm::dvec3 way = place.view.forward + place.view.right * ((2 * inside.x / place.size.x - 1) * slopes.x) +
+                         place.view.up * ((1 - 2 * inside.y / place.size.y) * slopes.y);
   const double wall = wall_on(from, way);
   int nearest = -1;
   int beside = -1;
@@ -140,7 +141,9 @@ std::optional<StagePick::Mark> StagePick::mark_of(const StagePlace& place, int f
     mark.low = glm::min(mark.low, *seen);
     mark.high = glm::max(mark.high, *seen);
   }
-  const bool beside = mark.high.x < 0 || mark.high.y < 0 || mark.low.x > place.size.x || mark.low.y > place.size.y;
+  const glm::dvec2 end = place.end();
+  const bool beside = mark.high.x < place.origin.x || mark.high.y < place.origin.y || mark.low.x > end.x ||
+                      mark.low.y > end.y;
   return beside ? std::nullopt : std::optional(mark);
 }
 

@@ -24,8 +24,8 @@ std::optional<glm::dvec2> projected(const StagePlace& place, const glm::dvec3& p
   const double depth = glm::dot(way, place.view.forward);
   if (!(depth > kNearM)) return std::nullopt;
   const glm::dvec2 slopes = slopes_of(place);
-  return glm::dvec2((1 + glm::dot(way, place.view.right) / (depth * slopes.x)) / 2 * place.size.x,
-                    (1 - glm::dot(way, place.view.up) / (depth * slopes.y)) / 2 * place.size.y);
+  return place.origin + glm::dvec2((1 + glm::dot(way, place.view.right) / (depth * slopes.x)) / 2 * place.size.x,
+                                   (1 - glm::dot(way, place.view.up) / (depth * slopes.y)) / 2 * place.size.y);
 }
 
 std::optional<std::pair<glm::dvec2, glm::dvec2>> projected_line(const StagePlace& place, const glm::dvec3& from_m,
@@ -52,6 +52,7 @@ std::optional<double> metres_per_unit(const StagePlace& place, const glm::dvec3&
 }
 
 StageRay ray_through(const StagePlace& place, glm::dvec2 at) {
+  at -= place.origin;
   const glm::dvec2 slopes = slopes_of(place);
   const glm::dvec3 way = place.view.forward +
                          place.view.right * ((2 * at.x / std::max(place.size.x, 1.0) - 1) * slopes.x) +

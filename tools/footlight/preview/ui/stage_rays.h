@@ -15,7 +15,9 @@ namespace footlight::tools {
 // A part of the window in units of the user interface, with a picture of `view` in it.
 struct StagePlace {
   render::View view;
-  glm::dvec2 size{1};  // from (0, 0)
+  glm::dvec2 size{1};
+  glm::dvec2 origin{0};  // its top left
+  [[nodiscard]] glm::dvec2 end() const { return origin + size; }
 };
 
 // Half the picture's width and height at a depth of 1.

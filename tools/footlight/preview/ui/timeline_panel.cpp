@@ -9,6 +9,7 @@
 
 #include <imgui/imgui.h>
 
+#include "tools/footlight/preview/ui/draw_thumbnails.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/pick_colour.h"
 #include "tools/footlight/preview/ui/transport.h"
@@ -27,7 +28,7 @@ class TimelinePanel final : public Panel {
     }
     draw_controls(*input.transport, input.scale);
     draw_markers(desk, *input.transport);
-    draw_curve(*input.transport, input.curve, input.strips);
+    draw_curve(*input.transport, input);
     draw_marker_menu(desk);
   }
 
@@ -145,7 +146,9 @@ class TimelinePanel final : public Panel {
   }
 
   // Time runs from left to right; a click or a drag seeks.
-  static void draw_curve(Transport& transport, const LightCurve* curve, const LightStrips* strips) {
+  static void draw_curve(Transport& transport, const UiInput& input) {
+    const LightCurve* curve = input.curve;
+    const LightStrips* strips = input.strips;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const ImVec2 size{std::max(room.x, 16.0f), std::max(room.y - ImGui::GetTextLineHeightWithSpacing(), 16.0f)};
@@ -171,11 +174,16 @@ class TimelinePanel final : public Panel {
                           ImGui::GetColorU32({0.95f, 0.66f, 0.25f, 0.16f}));
     }
     const float strip = strips != nullptr ? strip_height(size.y, strips->strips().size()) : 0;
-    const float above = strip * static_cast<float>(strips != nullptr ? strips->strips().size() : 0);
+    float above = strip * static_cast<float>(strips != nullptr ? strips->strips().size() : 0);
+    const float strips_top = bottom - above;
+    if (const float row = row_height(size.y - above, input.thumbnails); row > 0) {
+      above += row;
+      draw_thumbnails(*draw, *input.thumbnails, transport.duration_ns, {at.x, bottom - above + 1}, {size.x, row - 2});
+    }
     if (curve != nullptr) draw_points(*draw, *curve, x_of, bottom - above, size.y - above);
     const LightStrips::Strip* under = nullptr;
     for (std::size_t i = 0; strip > 0 && i < strips->strips().size(); ++i) {
-      const float top = bottom - above + static_cast<float>(i) * strip;
+      const float top = strips_top + static_cast<float>(i) * strip;
       draw_strip(*draw, strips->strips()[i], strips->times(), x_of, {at.x, top}, strip);
       const float mouse = ImGui::GetIO().MousePos.y;
       if (mouse >= top && mouse < top + strip) under = &strips->strips()[i];
@@ -186,12 +194,24 @@ class TimelinePanel final : public Panel {
     };
     if (ImGui::IsItemHovered() || ImGui::IsItemActive()) {
       line(under_ns, kUiDim);
-      ImGui::SetTooltip("%s%s", time_text(under_ns).c_str(), under == nullptr ? "" : text_of(*under).c_str());
+      ImGui::BeginTooltip();
+      ImGui::TextUnformatted((time_text(under_ns) + (under == nullptr ? "" : text_of(*under))).c_str());
+      if (input.thumbnails != nullptr) {
+        draw_thumbnail_tip(*input.thumbnails, under_ns, transport.duration_ns, input.scale);
+      }
+      ImGui::EndTooltip();
     }
     line(transport.seek_ns.value_or(transport.now_ns), kUiAmber);
     const bool partly = transport.known_ns > 0 && transport.known_ns < transport.duration_ns;
     ui_text(kUiDim, partly ? fmt::format("mean level of all dimmers; known up to {}", time_text(transport.known_ns))
                            : std::string("mean level of all dimmers"));
+  }
+
+  // Of the row of pictures; 0: there are none, or there is no room for them beside the curve.
+  static float row_height(float height, const Thumbnails* thumbnails) {
+    if (thumbnails == nullptr || thumbnails->all().empty()) return 0;
+    const float row = std::min(0.7f * height, static_cast<float>(Thumbnails::kHeight) * 1.5f);
+    return row < 1.5f * ImGui::GetTextLineHeight() ? 0 : std::floor(row);
   }
 
   // Of one strip; 0: there is no room for them beside the curve.

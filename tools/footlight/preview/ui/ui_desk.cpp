@@ -205,6 +205,19 @@ void UiDesk::release(ChannelKey key, std::span<const std::uint8_t> levels) {
   run(command_of(key, held != state_.taken.end() ? held->second : index().read(key, levels), false, levels));
 }
 
+void UiDesk::set_views(int views) {
+  views_ = views;
+  if (state_.view >= views) activate_view(0);
+}
+
+void UiDesk::activate_view(int view) {
+  if (view < 0 || view >= std::max(views_, 1) || view == state_.view) return;
+  state_.cameras[static_cast<std::size_t>(state_.view)] = state_.camera;
+  state_.camera = state_.cameras[static_cast<std::size_t>(view)];
+  state_.view = view;
+  begin_gesture();
+}
+
 void UiDesk::jump_camera(const OrbitCamera& camera, std::optional<float> exposure_ev) {
   begin_gesture();
   run(MoveCamera{camera, exposure_ev});

@@ -97,6 +97,16 @@ class UiDesk {
     state_.exposure = exposure;
   }
 
+  // Views of the stage: 1, 2 or 4, with a camera each. That of UiState and of the commands below is of the active one.
+  // These are no commands.
+  [[nodiscard]] int views() const { return views_; }
+  void set_views(int views);
+  void activate_view(int view);
+  void place_camera(int view, const OrbitCamera& camera) { state_.camera_of(view) = camera; }
+  [[nodiscard]] const OrbitCamera& camera_of(int view) const {
+    return view == state_.view ? state_.camera : state_.cameras[static_cast<std::size_t>(view)];
+  }
+
   // As the mouse does; movements of one gesture join.
   void move_camera(const OrbitCamera& camera) { run(MoveCamera{camera}); }
   // To another place at once, also to its exposure if it has one. A gesture of its own: the turn of the wheel that
@@ -208,6 +218,7 @@ class UiDesk {
   bool handles_ = false;
   bool floor_lines_ = false;
   FlyCamera fly_;
+  int views_ = 1;
   StageMeasure measure_;
   LevelComparison comparison_;
   bool pauses_ = false;

@@ -101,17 +101,19 @@ bool TakeChannels::join(const TakeChannels& later) {
 std::size_t TakeChannels::heap_bytes() const { return edits.capacity() * sizeof(Edit); }
 
 bool MoveCamera::apply(UiState& state) {
-  before = std::exchange(state.camera, after);
+  if (!view) view = state.view;
+  before = std::exchange(state.camera_of(*view), after);
   before_ev = state.exposure.ev;
   if (exposure_ev) state.exposure.ev = *exposure_ev;
   return true;
 }
 void MoveCamera::undo(UiState& state) const {
-  state.camera = before.value_or(after);
+  state.camera_of(view.value_or(state.view)) = before.value_or(after);
   if (exposure_ev) state.exposure.ev = before_ev;
 }
 std::string MoveCamera::text(const fixtures::Rig&) const { return "move the camera"; }
 bool MoveCamera::join(const MoveCamera& later) {
+  if (view != later.view) return false;
   after = later.after;
   if (!exposure_ev) before_ev = later.before_ev;
   if (later.exposure_ev) exposure_ev = later.exposure_ev;

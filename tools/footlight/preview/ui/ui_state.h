@@ -18,6 +18,7 @@
 #include "tools/footlight/preview/orbit_camera.h"
 #include "tools/footlight/preview/ui/markers.h"
 #include "tools/footlight/preview/ui/rig_index.h"
+#include "tools/footlight/preview/ui/stage_views.h"
 
 namespace footlight::tools {
 
@@ -39,7 +40,12 @@ struct Exposure {
 struct UiState {
   Selection selection;
   std::map<ChannelKey, std::uint32_t> taken;  // channels with a value of the user's instead of the input's
-  OrbitCamera camera{fixtures::Camera{}};
+  OrbitCamera camera{fixtures::Camera{}};  // of the active view
+  int view = 0;                            // the active one
+  std::vector<OrbitCamera> cameras = std::vector<OrbitCamera>(kViewsMax, camera);  // of the others
+  [[nodiscard]] OrbitCamera& camera_of(int of_view) {
+    return of_view == view ? camera : cameras[static_cast<std::size_t>(of_view)];
+  }
   Exposure exposure;
   Markers markers;  // of the log
   // The rig as its file has it, which EditRig changes; nullptr: it cannot be edited. Its fixtures have the indices of
@@ -85,6 +91,7 @@ struct TakeChannels {
 struct MoveCamera {
   OrbitCamera after;
   std::optional<float> exposure_ev = std::nullopt;  // of a camera of the rig; nothing: the exposure stays
+  std::optional<int> view = std::nullopt;           // set by the first apply(): the one that was active then
   std::optional<OrbitCamera> before = std::nullopt;
   float before_ev = 0;
 

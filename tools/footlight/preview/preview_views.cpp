@@ -1,0 +1,87 @@
+// Several views of the stage in the preview: which there are, which is active, and the frame around it.
+#include <algorithm>
+#include <array>
+
+#include <imgui/imgui.h>
+
+#include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/ui_theme.h"
+
+namespace footlight::tools {
+
+// The other views begin with the other cameras of the rig; without them, from sides.
+void Preview::start_views() {
+  constexpr std::array kOtherSides{ViewSide::kPlan, ViewSide::kLeft, ViewSide::kRight};
+  std::size_t side = 0;
+  desk_->set_views(settings_.views);
+  const PixelRect where = place_of(0);
+  const double aspect = static_cast<double>(where.width) / where.height;
+  for (int view = 1; view < kViewsMax; ++view) {
+    const auto index = static_cast<std::size_t>(view);
+    const OrbitCamera& first = desk_->state().camera;
+    desk_->place_camera(view, index < desk_->cameras().size()
+                                  ? OrbitCamera(desk_->cameras()[index])
+                                  : view_from(kOtherSides[side++], bounds_of(edited_->scene()->rig), aspect, first));
+  }
+}
+
+// From now on, and in the next session.
+void Preview::set_views(int views) {
+  settings_.views = views;
+  desk_->set_views(views);
+  cancel_drags();
+}
+
+// next: makes the next one active; else changes their number.
+void Preview::call_views(bool next) {
+  if (next) return desk_->activate_view((desk_->state().view + 1) % desk_->views());
+  set_views(next_view_count(desk_->views()));
+}
+
+// Between two pictures: those of views that were closed are freed.
+Status Preview::follow_views() {
+  const int views = desk_->views();
+  if (views == shown_views_) return {};
+  shown_views_ = views;
+  for (auto i = static_cast<std::size_t>(views); i < views_.size(); ++i) {
+    views_[i].shown.reset();
+    views_[i].pictures = 0;
+  }
+  return window_->drop_pictures(views);
+}
+
+// The view under the mouse is the active one once the mouse moves there, or does something. A drag stays in its view.
+void Preview::take_active_view() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (desk_->views() == 1 || io.WantCaptureMouse || handles_.dragging() || box_.holds() || desk_->fly().on()) return;
+  bool acts = io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || io.MouseWheel != 0;
+  for (int button = 0; button < static_cast<int>(pressed_on_stage_.size()); ++button) {
+    if (pressed_on_stage_[static_cast<std::size_t>(button)]) return;
+    acts = acts || ImGui::IsMouseClicked(button);
+  }
+  if (!acts) return;
+  const float scale = window_->pixels_per_unit();
+  const int view = view_at(place(), desk_->views(), static_cast<int>(io.MousePos.x * scale),
+                           static_cast<int>(io.MousePos.y * scale));
+  desk_->activate_view(view);
+}
+
+// Whether each view has had a picture that is not rough.
+bool Preview::shows_all() const {
+  const auto end = views_.begin() + desk_->views();
+  return !is_rough_ && std::all_of(views_.begin(), end, [](const View& view) { return view.pictures > 0; });
+}
+
+// Around the active view.
+void Preview::draw_views() {
+  if (desk_->views() == 1) return;
+  const StagePlace where = stage();
+  const auto at = [](glm::dvec2 point, float inset) {
+    return ImVec2(static_cast<float>(point.x) + inset, static_cast<float>(point.y) + inset);
+  };
+  const float width = 2 * window_->ui_scale();
+  ImGui::GetBackgroundDrawList()->AddRect(at(where.origin, width / 2), at(where.end(), -width / 2),
+                                          ImGui::GetColorU32(kStageColours.accent), 0, 0, width);
+}
+
+}  // namespace footlight::tools
