@@ -148,7 +148,7 @@ std::uint32_t lavapipe_beams_max(const MemoryShape& shape) {
   if (has_shadows(shape.needs, shape.settings)) {
     const auto occluders =
         static_cast<std::uint32_t>(std::min<std::uint64_t>(occluder_bytes(shape) / sizeof(OccluderRow), 24));
-    plain = std::min(plain, kRounds / (16 + 16 * occluders));
+    plain = std::min(plain, kRounds / (16 + 16 * occluders * shape.settings.penumbra));
   }
   return shape.needs.gobo ? std::min(plain, kRounds / std::max(shape.settings.gobo_taps, 1u)) : plain;
 }
@@ -219,7 +219,8 @@ std::uint64_t shadow_word_bytes(const FrameSettings& settings, std::uint32_t mas
 // The words of all supertiles together, and the number of those in use.
 std::uint64_t shadow_pick_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
   if (!used) return 12;
-  const std::uint64_t words = std::max<std::uint64_t>(std::uint64_t{mask_words} * 32 * FL_PICKS_A_BEAM, FL_PICKS_MIN);
+  const std::uint64_t words =
+      std::max<std::uint64_t>(std::uint64_t{mask_words} * 32 * FL_PICKS_A_BEAM, FL_PICKS_MIN) * settings.penumbra;
   return std::min<std::uint64_t>(8 + supertile_count(settings) * words * 4, FL_PICKS_BYTES_MAX);
 }
 

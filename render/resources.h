@@ -133,6 +133,7 @@ struct RigTables {
   bool has_bodies = false;        // the models were read
   bool has_shadows = false;       // there is what shadows of beams need
   std::uint32_t shadow_map_px = 0;  // texels a side of shadow maps; 0: shadows are cut exactly
+  std::uint32_t lens_points = 1;    // most points of a lens from which exact shadows have room
   bool has_occluders = false;     // it is known what hides light
   bool has_trees = false;         // there is what smooth edges need
   bool has_bounce = false;        // there is what reflected light needs

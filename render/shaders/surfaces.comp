@@ -33,8 +33,8 @@
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
 #include "render/shaders/lib/surface_class.glsl"
-#define FL_SHADED(beam, index, p, aside, fixture) is_shaded(index, (beam).number, p, aside, fixture)
-bool is_shaded(uint index, uint number, vec3 p, vec3 aside, uint fixture);
+#define FL_SHADED(beam, index, p, aside, fixture) shaded_points(index, (beam).number, p, aside, fixture)
+uint shaded_points(uint index, uint number, vec3 p, vec3 aside, uint fixture);
 #define FL_MAP_LIT(beam, index, row, p) lit_share(index, (beam).number, row, p)
 float lit_share(uint index, uint number, BeamRow row, vec3 p);
 #include "render/shaders/lib/surface_light.glsl"
@@ -88,15 +88,17 @@ void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facin
   }
 }
 
-// Whether a place is in one of the shadows of a beam of the batch.
-bool is_shaded(uint index, uint number, vec3 p, vec3 aside, uint fixture) {
+// dark_points() of a beam of the batch.
+uint shaded_points(uint index, uint number, vec3 p, vec3 aside, uint fixture) {
   uint count = shaded_count[number];
-  if (count == 0u) return false;
+  if (count == 0u) return 0u;
   uint first = shaded_first[number];
-  if (first == FL_NONE) return is_shadowed(index, p, aside, fixture);
+  if (first == FL_NONE) return dark_points(index, p, aside, fixture);
   float rounding_m = shadow_rounding(p);
-  bool dark = false;
-  for (uint k = 0u; k < count && !dark; ++k) dark = is_in_shadow(shaded[first + k], p, aside, fixture, rounding_m);
+  uint dark = 0u;
+  for (uint k = 0u; k < count && dark != kAllPoints; ++k) {
+    add_shadow_at(shaded[first + k], p, aside, fixture, rounding_m, dark);
+  }
   return dark;
 }
 

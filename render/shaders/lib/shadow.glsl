@@ -4,11 +4,21 @@ layout(constant_id = FL_SPEC_SHADOWS) const bool kShadows = false;
 // Whether shadow maps stand for the shadows (shadow_map.glsl): then there are no rows of them, and no lists.
 layout(constant_id = FL_SPEC_MAP_PX) const uint kMapPx = 0u;
 const bool kMaps = kMapPx > 0u;
+// Points of the lens from which shadows are cast (shadow.h).
+layout(constant_id = FL_SPEC_PENUMBRA) const uint kLensPoints = 1u;
+const uint kAllPoints = (1u << kLensPoints) - 1u;
 layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) readonly buffer ShadowListsBuffer {
   ShadowListRow shadow_lists[];
 };
 layout(set = 0, binding = FL_BINDING_SHADOWS, std430) readonly buffer ShadowsBuffer { ShadowRow shadows[]; };
 #include "render/shaders/lib/shadow_row.glsl"
+
+uint shadow_point(uint shadow) { return kLensPoints > 1u ? shadows[shadow].count >> FL_SHADOW_POINT_SHIFT : 0u; }
+// Share of the lens that lights a place: dark has a bit for each point whose light is hidden.
+float lit_share_of(uint dark) {
+  if (kLensPoints == 7u) return 1.0 - 0.125 * float((dark & 1u) + uint(bitCount(dark)));
+  return 1.0 - float(bitCount(dark)) / float(kLensPoints);
+}
 
 // Planes are read four at a time, since Mesa ends the loops of a thread after 65,535 rounds. Everything is inside those
 // that fill up the last round.
@@ -25,6 +35,11 @@ uint entry_planes(uint entry) { return entry & kAllPlanes; }
 uint shadow_whole(uint shadow) { return shadow_entry(shadow, (1u << shadow_planes(shadow)) - 1u); }
 // Rounds of a loop over planes; next_plane() gives the last one again where no other is left.
 uint plane_rounds(uint planes) { return (uint(bitCount(planes)) + kShadowRound - 1u) / kShadowRound; }
+// The point of the lens, as a bit.
+uint entry_point(uint entry) { return 1u << shadow_point(entry_shadow(entry)); }
+// That bit if all of the rectangle is in the shadow.
+uint entry_darkens(uint entry) { return entry != FL_NONE && entry_planes(entry) == 0u ? entry_point(entry) : 0u; }
+float point_share(uint point) { return kLensPoints == 7u ? (point == 1u ? 0.25 : 0.125) : 1.0 / float(kLensPoints); }
 uint next_plane(inout uint planes) {
   uint own = uint(findLSB(planes));
   uint rest = planes & (planes - 1u);
@@ -203,12 +218,20 @@ bool is_in_shadow(uint shadow, vec3 p, vec3 aside, uint fixture, float rounding_
   for (uint next = 1u; next < rounds && dark; ++next) dark = shadow_holds(shadow, next, outline, p, aside, slack_m);
   return dark;
 }
-bool is_shadowed(uint beam, vec3 p, vec3 aside, uint fixture) {
+// Adds the bit of the shadow's lens point if the place is in it.
+void add_shadow_at(uint shadow, vec3 p, vec3 aside, uint fixture, float rounding_m, inout uint dark) {
+  uint bit = 1u << shadow_point(shadow);
+  if ((dark & bit) == 0u && is_in_shadow(shadow, p, aside, fixture, rounding_m)) dark |= bit;
+}
+// Bits of the lens points whose light does not reach a place.
+uint dark_points(uint beam, vec3 p, vec3 aside, uint fixture) {
   uint first = shadow_lists[beam].first;
   uint count = shadow_lists[beam].count;
-  bool dark = false;
+  uint dark = 0u;
   float rounding_m = shadow_rounding(p);
-  for (uint s = first; s < first + count && !dark; ++s) dark = is_in_shadow(s, p, aside, fixture, rounding_m);
+  for (uint s = first; s < first + count && dark != kAllPoints; ++s) {
+    add_shadow_at(s, p, aside, fixture, rounding_m, dark);
+  }
   return dark;
 }
 
@@ -248,5 +271,13 @@ void shadow_parts_join(inout ShadowParts parts, uint entry, ShadowChord ends) {
   float x0;
   float x1;
   if (shadow_part(entry, ends, x0, x1)) shadow_parts_add(parts, x0, x1);
+}
+// Nodes of a whole chord that shadows from several points of the lens weigh; nodes: of a lit one.
+uint soft_nodes(uint nodes) { return min(nodes + 2u, 8u); }
+// Adds the dark parts of a chord.
+void shadow_parts_weigh(ShadowParts parts, float share, inout ShadowWeights weights) {
+  float from = 0.0;
+  float to = 0.0;
+  while (shadow_parts_next(parts, to, from, to)) shadow_weights_add(weights, share, from, to);
 }
 #include "render/shaders/lib/shadow_map.glsl"

@@ -52,9 +52,9 @@ struct SurfaceBeam {
   bool thin;
   uint number;  // for FL_SHADED
 };
-// Whether a place is in a shadow of a beam: an including pass may know which ones reach what it shows.
+// dark_points() of a place: an including pass may know which shadows reach what it shows.
 #ifndef FL_SHADED
-#define FL_SHADED(beam, index, p, aside, fixture) is_shadowed(index, p, aside, fixture)
+#define FL_SHADED(beam, index, p, aside, fixture) dark_points(index, p, aside, fixture)
 #define FL_MAP_LIT(beam, index, row, p) map_lit(index, row, p)
 #endif
 SurfaceBeam surface_beam(BeamRow row) {
@@ -78,8 +78,13 @@ vec3 light_on_surface(SurfaceBeam beam, BeamRow row, uint index, Medium medium, 
   if (kShadows) {
     uint fixture = surface.kind == kBody ? heads[surface.which >> 3].fixture : kNoFixture;
     vec3 aside = beam.thin ? vec3(rho * (beam.shape.lens_radius_m + beam.shape.spread * p.z), p.z) : p;
-    if (kMaps) share *= FL_MAP_LIT(beam, index, row, aside);
-    else if (FL_SHADED(beam, index, p, aside, fixture)) return vec3(0.0);
+    if (kMaps) {
+      share *= FL_MAP_LIT(beam, index, row, aside);
+    } else {
+      uint dark = FL_SHADED(beam, index, p, aside, fixture);
+      if (dark == kAllPoints) return vec3(0.0);
+      if (kLensPoints > 1u) share *= lit_share_of(dark);
+    }
   }
   share *= max(-dot(to_light(row, surface.normal), beam_direction(beam.shape, rho)), 0.0);
   if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);

@@ -188,7 +188,8 @@
 #define FL_SPEC_DETAIL (47 + FL_LAMP_COUNT)  // images of panes and displays as fine as pixels, not whole
 #define FL_SPEC_MAP_PX (48 + FL_LAMP_COUNT)  // texels a side of shadow maps; 0: shadows are cut exactly
 #define FL_SPEC_GLOSS (49 + FL_LAMP_COUNT)  // there are floors that mirror
-#define FL_SPEC_COUNT (50 + FL_LAMP_COUNT)
+#define FL_SPEC_PENUMBRA (50 + FL_LAMP_COUNT)  // points of a lens from which shadows are cast: 1, 4 or 7
+#define FL_SPEC_COUNT (51 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -596,7 +597,8 @@ struct BodyBoxRow {
   vec4 center;  // m; w: below 0: there are none
   vec4 half_size;
 };
-// The shadows in a beam, a row each of ShadowRow, in the order of the occluders.
+// The shadows in a beam, a row each of ShadowRow, in the order of the occluders; with several points of a lens first
+// those from its first point, then as many from the next one.
 struct ShadowListRow {
   uint first;
   uint count;
@@ -611,13 +613,14 @@ struct ShadowWordRow {
 };
 // A ShadowPrism (shadow.h), 208 bytes. Planes: normal, offset, in the beam's light space.
 struct ShadowRow {
-  uint count;     // of planes; << 8: of them, those at the end that are fronts; FL_SHADOW_HIDDEN
+  uint count;     // of planes; << 8: of them, those at the end that are fronts; FL_SHADOW_HIDDEN; point of the lens
   uint occluder;  // its row
   uint fixture;   // as OccluderRow
   float slack_m;  // likewise
   vec4 planes[12];  // filled up to a multiple of 4
 };
 #define FL_SHADOW_HIDDEN 65536u        // adds nothing to another shadow of the beam, in the air
+#define FL_SHADOW_POINT_SHIFT 20       // of ShadowRow::count
 #define FL_SHADOW_PLANE_BITS 12        // of an entry of a list
 #define FL_SHADOW_ROWS_MAX 1048575     // what the other bits can number
 // Words that all lists together have, for each supertile: so many a beam of the rig, and at least FL_PICKS_MIN. All

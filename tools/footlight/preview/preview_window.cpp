@@ -16,6 +16,7 @@
 
 #include "fixtures/simulate/machines.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/pictures/frame_options.h"
 #include "tools/footlight/pictures/scene_files.h"
 
 namespace footlight::tools {
@@ -327,6 +328,7 @@ render::FrameSettings Preview::frame_settings(const PixelRect& where) const {
   settings.edge_samples = options_.edge_samples.value_or(render::suited_edge_samples(*device_));
   settings.shadows = options_.display.shadows;
   settings.shadow_map_px = options_.display.shadow_map_px;
+  settings.penumbra = options_.display.penumbra;
   settings.bounce = options_.bounce;
   take_display(controls_, settings);
   settings.haze = controls_.haze;
@@ -344,6 +346,7 @@ Status Preview::rebuild(const PixelRect& where) {
     FL_ASSIGN(frame_, render::Frame::create(*device_, framed_->rig, framed_->compiled, settings));
     videos_.show_all_again();
     print_warnings(frame_->resources().rig.diagnostics);
+    warn_of_hard_edges(frame_->settings());
     if (hand_) frame_->settle_machine_air(hand_->levels());
   }
   picture_since_ns_ = -1;
