@@ -148,7 +148,8 @@ std::uint32_t lavapipe_beams_max(const MemoryShape& shape) {
   if (has_shadows(shape.needs, shape.settings)) {
     const auto occluders =
         static_cast<std::uint32_t>(std::min<std::uint64_t>(occluder_bytes(shape) / sizeof(OccluderRow), 24));
-    plain = std::min(plain, kRounds / (16 + 16 * occluders * shape.settings.penumbra));
+    const std::uint32_t points = shape.settings.penumbra;
+    plain = std::min(plain, kRounds / (16 + 16 * occluders * points * (points > 1 ? 2 : 1)));  // soft ones take twice
   }
   return shape.needs.gobo ? std::min(plain, kRounds / std::max(shape.settings.gobo_taps, 1u)) : plain;
 }

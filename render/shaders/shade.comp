@@ -72,7 +72,8 @@ uint team_ballot(bool is_one) {
 }
 
 // Fills the team's entries. Returns their number, of which those past kTeamRoom are not kept. is_dark: the tile is all
-// in one of them, which then is the only one; of a lens of several points: in one from each, and all are there. All lanes of a subgroup call it together.
+// in one of them, which then is the only one; of a lens of several points: in one from each, and all are there. All
+// lanes of a subgroup call it together.
 uint list_team_entries(uint beam, ShadowPicks picks, ShadowCell cell, out bool is_dark) {
   if (kMaps) {
     uint entry = picks.count > 0u ? map_in_cell(beam, cell) : FL_NONE;

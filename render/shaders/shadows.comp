@@ -46,16 +46,15 @@ void write_shadow(uint which, uint point, BeamRow row, BeamShape beam) {
   OccluderRow occluder = occluders[which];
   ShadowSolid solid = solid_of(occluder, row);
   ShadowPrism prism;
-  // A rectangle's light space has the disc around it: points within the rectangle have the same moments there.
-  float lens_m = beam.lens_radius_m;
-  if (kRectangle && row.squeeze > 0.0) lens_m *= 0.816496580927726;
   bool has_shadow = kLensPoints > 1u
-                        ? shadow_prism_from(lens_point(kLensPoints, point, lens_m), solid, prism)
+                        ? shadow_prism_from(lens_point(kLensPoints, point, shadow_lens_m(row)), solid, prism)
                         : shadow_prism(beam.lens_radius_m, beam.spread, solid, prism);
   has_shadow = has_shadow && prism.z_min_m < beam.range_m;
   // Nothing is inside the only plane of a body without a shadow. Everything is inside those that fill up a round.
   uint count = has_shadow ? prism.count : 0u;
   for (uint k = count; k < uint(FL_SHADOW_PLANES); ++k) emit_plane(k, vec3(0.0), has_shadow ? 1.0 : -1.0);
+  // From a point there are 9 at most. What is left holds the place of the axis where the body begins (shadow_near()).
+  if (kLensPoints > 1u && has_shadow) emit_plane(uint(FL_SHADOW_PLANES - 1), vec3(0.0), 1.0 + prism.z_min_m);
   shadows[emit_slot].count =
       max(count, 1u) | (has_shadow ? prism.fronts : 0u) << 8 | point << FL_SHADOW_POINT_SHIFT;
   shadows[emit_slot].occluder = which;

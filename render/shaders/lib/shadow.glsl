@@ -14,11 +14,6 @@ layout(set = 0, binding = FL_BINDING_SHADOWS, std430) readonly buffer ShadowsBuf
 #include "render/shaders/lib/shadow_row.glsl"
 
 uint shadow_point(uint shadow) { return kLensPoints > 1u ? shadows[shadow].count >> FL_SHADOW_POINT_SHIFT : 0u; }
-// Share of the lens that lights a place: dark has a bit for each point whose light is hidden.
-float lit_share_of(uint dark) {
-  if (kLensPoints == 7u) return 1.0 - 0.125 * float((dark & 1u) + uint(bitCount(dark)));
-  return 1.0 - float(bitCount(dark)) / float(kLensPoints);
-}
 
 // Planes are read four at a time, since Mesa ends the loops of a thread after 65,535 rounds. Everything is inside those
 // that fill up the last round.
@@ -179,16 +174,23 @@ float shadow_rounding(vec3 p) { return 1e-6 * length(p) + 1e-7 * length(params.p
 
 // Whether a shadow can reach a sphere, or the part of a plane that is in it; light space, m. normal: of the plane,
 // unit; 0: all of the sphere. Of a rectangular beam the radius is stretched.
-bool shadow_near(uint shadow, vec3 center, float radius_m, vec3 normal) {
+bool shadow_near(uint shadow, vec3 center, float radius_m, vec3 normal, float lens_radius_m) {
   uint rounds = shadow_rounds(shadow);
   uint outline = shadow_outline(shadow);
   float slack_m = max(shadows[shadow].slack_m, kShadowSlackM) + shadow_rounding(center);
   bool may = true;
+  // Half shadows are outside the planes.
+  float soft_m = 0.0;
+  if (kLensPoints > 1u) {
+    float begin_m = max(shadows[shadow].planes[FL_SHADOW_PLANES - 1].w - 1.0, 1e-3);  // shadows.comp
+    soft_m = lens_part_radius(kLensPoints) * lens_radius_m * max((center.z + radius_m) / begin_m - 1.0, 0.0);
+  }
   for (uint round_of = 0u; round_of < rounds && may; ++round_of) {
     [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
       uint own = kShadowRound * round_of + k;
       vec4 plane = shadows[shadow].planes[own];
       float reach_m = radius_m * length(plane.xyz - normal * dot(plane.xyz, normal));
+      if (kLensPoints > 1u && own < outline) reach_m += soft_m * length(plane.xy);
       may = may && dot(plane.xyz, center) - plane.w <= reach_m - (own < outline ? 0.0 : slack_m);
     }
   }
@@ -218,21 +220,72 @@ bool is_in_shadow(uint shadow, vec3 p, vec3 aside, uint fixture, float rounding_
   for (uint next = 1u; next < rounds && dark; ++next) dark = shadow_holds(shadow, next, outline, p, aside, slack_m);
   return dark;
 }
-// Adds the bit of the shadow's lens point if the place is in it.
-void add_shadow_at(uint shadow, vec3 p, vec3 aside, uint fixture, float rounding_m, inout uint dark) {
-  uint bit = 1u << shadow_point(shadow);
-  if ((dark & bit) == 0u && is_in_shadow(shadow, p, aside, fixture, rounding_m)) dark |= bit;
+
+// The same with several points of the lens: the share of the part of the lens around the shadow's point that it hides.
+float shadow_share(uint shadow, vec3 p, vec3 aside, uint fixture, float rounding_m, float lens_radius_m) {
+  if (shadows[shadow].fixture == fixture) return 0.0;
+  uint rounds = shadow_rounds(shadow);
+  uint outline = shadow_outline(shadow);
+  float slack_m = max(shadows[shadow].slack_m, kShadowSlackM) + rounding_m;
+  vec3 point = lens_point(kLensPoints, shadow_point(shadow), lens_radius_m);
+  bool behind = true;
+  float at = 0.0;
+  for (uint round_of = outline / kShadowRound; round_of < rounds && behind; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = kShadowRound * round_of + k;
+      vec4 plane = shadows[shadow].planes[own];
+      float here = dot(plane.xyz, p) - plane.w;
+      behind = behind && (own < outline || here <= -slack_m);
+      at = own < outline ? at : max(at, shadow_front_at(dot(plane.xyz, point) - plane.w, here));
+    }
+  }
+  float share = behind ? 1.0 : 0.0;
+  float radius_m = lens_part_radius(kLensPoints) * lens_radius_m;
+  for (uint round_of = 0u; kShadowRound * round_of < outline && share > 0.0; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = kShadowRound * round_of + k;
+      vec4 plane = shadows[shadow].planes[own];
+      float edge = shadow_edge_share(dot(plane.xyz, aside) - plane.w, length(plane.xy), radius_m, at);
+      share = own < outline ? min(share, edge) : share;
+    }
+  }
+  return share;
 }
-// Bits of the lens points whose light does not reach a place.
-uint dark_points(uint beam, vec3 p, vec3 aside, uint fixture) {
+// What several shadows hide of a lens. Those from one point follow each other. Where two bodies touch, their shares add
+// up; where one stands behind the other's edge, less is hidden than the sum.
+struct LensShare {
+  float lit;
+  uint point;  // whose shadows are added up
+  float dark;  // of the part around it
+};
+LensShare lens_share_begin() { return LensShare(1.0, 0u, 0.0); }
+void lens_share_close(inout LensShare lens) {
+  lens.lit -= point_share(1u << lens.point) * min(lens.dark, 1.0);
+  lens.dark = 0.0;
+}
+void lens_share_add(inout LensShare lens, uint shadow, float share) {
+  uint point = shadow_point(shadow);
+  if (point != lens.point) lens_share_close(lens);
+  lens.point = point;
+  lens.dark += share;
+}
+
+// The share of the lens that lights a place; of one point 0 or 1.
+float lit_share_of(uint beam, vec3 p, vec3 aside, uint fixture, float lens_radius_m) {
   uint first = shadow_lists[beam].first;
   uint count = shadow_lists[beam].count;
-  uint dark = 0u;
   float rounding_m = shadow_rounding(p);
-  for (uint s = first; s < first + count && dark != kAllPoints; ++s) {
-    add_shadow_at(s, p, aside, fixture, rounding_m, dark);
+  if (kLensPoints > 1u) {
+    LensShare lens = lens_share_begin();
+    for (uint s = first; s < first + count; ++s) {
+      lens_share_add(lens, s, shadow_share(s, p, aside, fixture, rounding_m, lens_radius_m));
+    }
+    lens_share_close(lens);
+    return max(lens.lit, 0.0);
   }
-  return dark;
+  bool dark = false;
+  for (uint s = first; s < first + count && !dark; ++s) dark = is_in_shadow(s, p, aside, fixture, rounding_m);
+  return dark ? 0.0 : 1.0;
 }
 
 // The part of a chord that is in one shadow. h over w is linear in its measure: from, to are (p, -1) / w at its ends.

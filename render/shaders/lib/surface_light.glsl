@@ -50,11 +50,11 @@ struct SurfaceBeam {
   bool gobo;
   bool plain;  // thin.glsl
   bool thin;
-  uint number;  // for FL_SHADED
+  uint number;  // for FL_LIT_SHARE
 };
-// dark_points() of a place: an including pass may know which shadows reach what it shows.
-#ifndef FL_SHADED
-#define FL_SHADED(beam, index, p, aside, fixture) dark_points(index, p, aside, fixture)
+// lit_share_of() a place: an including pass may know which shadows reach what it shows.
+#ifndef FL_LIT_SHARE
+#define FL_LIT_SHARE(beam, index, p, aside, fixture, lens_m) lit_share_of(index, p, aside, fixture, lens_m)
 #define FL_MAP_LIT(beam, index, row, p) map_lit(index, row, p)
 #endif
 SurfaceBeam surface_beam(BeamRow row) {
@@ -81,9 +81,10 @@ vec3 light_on_surface(SurfaceBeam beam, BeamRow row, uint index, Medium medium, 
     if (kMaps) {
       share *= FL_MAP_LIT(beam, index, row, aside);
     } else {
-      uint dark = FL_SHADED(beam, index, p, aside, fixture);
-      if (dark == kAllPoints) return vec3(0.0);
-      if (kLensPoints > 1u) share *= lit_share_of(dark);
+      float lens_m = kLensPoints > 1u ? shadow_lens_m(row) : 0.0;
+      float lit = FL_LIT_SHARE(beam, index, p, aside, fixture, lens_m);
+      if (!(lit > 0.0)) return vec3(0.0);
+      if (kLensPoints > 1u) share *= lit;
     }
   }
   share *= max(-dot(to_light(row, surface.normal), beam_direction(beam.shape, rho)), 0.0);

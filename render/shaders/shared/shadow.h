@@ -156,6 +156,21 @@ FL_FN Real lens_point_weight(uint points, uint which) {
   return points == uint(4) ? Real(0.25) : Real(1);
 }
 
+// On a surface each point stands for the part of the lens around it, a disc of this radius over R0: so the steps between
+// the points' edges are ramps.
+FL_FN Real lens_part_radius(uint points) { return points == uint(7) ? Real(0.37796447300922725) : Real(0.5); }
+// The share of the way from a point to a place at which light passes a front; values: of the front's plane, > 0 outside.
+// At the outline the largest of all fronts is where it passes the body.
+FL_FN Real shadow_front_at(Real at_point, Real at_place) { return at_point / max(at_point - at_place, Real(1e-9)); }
+// The share of a disc of this radius around a point that an edge of the outline hides from a place. outside_m: the place
+// is so far outside the plane through the point and the edge; across: length of that plane's normal along the lens;
+// at: as above.
+FL_FN Real shadow_edge_share(Real outside_m, Real across, Real radius_m, Real at) {
+  Real half_m = radius_m * across * (Real(1) / max(at, Real(1e-4)) - Real(1));
+  Real x = clamp(Real(0.5) - Real(0.5) * outside_m / max(half_m, Real(1e-6)), Real(0), Real(1));
+  return x * x * (Real(3) - Real(2) * x);
+}
+
 // The shadow of a body in light from one point of the lens plane: all behind its faces that are lit from there, between
 // the planes through the point and its outline. What is before the lens plane adds nothing beyond it. False: no shadow.
 FL_FN bool shadow_prism_from(Vec3 point, FL_IN(ShadowSolid) solid, FL_OUT(ShadowPrism) prism) {
