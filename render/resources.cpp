@@ -134,6 +134,9 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_HEAD_SLOTS, &R::head_slots},
     {FL_BINDING_BODY_DRAWN, &R::drawn},
     {FL_BINDING_BODY_DRAWS, &R::draws},
+    {FL_BINDING_TEXTURES, &R::textures},
+    {FL_BINDING_TEXTURE_TEXELS, &R::texture_texels},
+    {FL_BINDING_OBJECT_UVS, &R::object_uvs},
     {FL_BINDING_GOBO_TABLES, &R::gobo_tables},
     {FL_BINDING_GOBO_QUEUE, &R::gobo_queue},
     {FL_BINDING_GATES, &R::gates}};
@@ -674,7 +677,8 @@ std::uint64_t Resources::body_bytes() const {
   std::uint64_t bytes = picture.surface_id.size_bytes + picture.depth.size_bytes;
   const vk::Buffer* const buffers[] = {
       &rig.slots,   &rig.meshes, &rig.body_boxes, &rig.trees, &rig.head_slots,       &rig.body_levels,   &rig.vertices,
-      &rig.indices, &rig.draws,  &rig.choices,    &rig.drawn, &picture.small_depths, &picture.small_keys};
+      &rig.indices, &rig.draws,  &rig.choices,    &rig.drawn, &picture.small_depths, &picture.small_keys,
+      &rig.textures, &rig.texture_texels, &rig.object_uvs};
   for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
   return bytes;
 }

@@ -133,7 +133,12 @@
 #define FL_BINDING_MIRROR_PAIRS (98 + FL_LAMP_COUNT)
 #define FL_BINDING_MIRROR_NORMALS (99 + FL_LAMP_COUNT)
 #define FL_BINDING_MIRROR_PICKS (100 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (101 + FL_LAMP_COUNT)
+// Textures of objects of the scene (lib/texture.glsl): TextureRow, one a textured material; the texels of their images;
+// places in them, one a vertex of the objects.
+#define FL_BINDING_TEXTURES (101 + FL_LAMP_COUNT)
+#define FL_BINDING_TEXTURE_TEXELS (102 + FL_LAMP_COUNT)
+#define FL_BINDING_OBJECT_UVS (103 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (104 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -740,3 +745,14 @@ struct BodySlotRow {
 #define FL_PART_LENS 4
 // Of an object of the scene: this bit, and its albedo with 10 bits each from blue (lowest) to red.
 #define FL_OBJECT 0x80000000u
+// And this bit where it has a texture: then a vertex has the number of its TextureRow in place of the albedo.
+#define FL_OBJECT_TEXTURED 0x40000000u
+struct TextureRow {
+  vec4 albedo;  // times that of the image
+  uint texel_first;
+  uint width;  // of the largest level
+  uint height;
+  uint modes;  // levels; << FL_TEXTURE_WRAP_...: 0 repeats, 1 mirrors, 2 is clamped
+};
+#define FL_TEXTURE_WRAP_U 8
+#define FL_TEXTURE_WRAP_V 10
