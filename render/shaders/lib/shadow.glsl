@@ -58,6 +58,7 @@ struct ShadowCell {
   vec2 z_m;        // what is visible of the beam lies between these places of its axis
   vec2 w_m;        // its radii there
   vec2 radius;     // of the beam: at the lens, m, and its growth a metre
+  float lens_m;    // radius of the lens from whose points shadows are cast
   bool is_thin;    // places are brought back into the beam (thin.glsl): the corners do not bound them
 };
 // When the ends of the cell are known.
@@ -96,6 +97,7 @@ ShadowCell shadow_cell(BeamRow row, vec2 low, vec2 high, float far_m) {
   cell.near_m = 0.0;
   cell.far_m = far_m;
   cell.radius = vec2(row.x_axis.w, row.y_axis.w);
+  cell.lens_m = kLensPoints > 1u ? shadow_lens_m(row) : 0.0;
   BeamShape beam = beam_bound(row, 1.0);
   float way[4];
   // In front of the lens, and within the range.
@@ -128,6 +130,12 @@ void shadow_cell_end(inout ShadowCell cell, vec4 plane_m) {
   [[unroll]] for (int c = 0; c < 4; ++c) cell.end_m[c] = most < 1e7 ? plane_m[c] : cell.far_m;
 }
 
+// How far from a plane of the outline, along the lens, half shadows reach up to a place of the axis.
+float shadow_soft_m(uint shadow, float z_m, float lens_m) {
+  float begin_m = max(shadows[shadow].planes[FL_SHADOW_PLANES - 1].w - 1.0, 1e-3);  // shadows.comp
+  return lens_part_radius(kLensPoints) * lens_m * max(z_m / begin_m - 1.0, 0.0);
+}
+
 // The entry of a shadow in a cell, from that in a larger one. FL_NONE: it does not reach the cell. Without planes: all
 // of the cell is in it.
 uint shadow_in_cell(uint entry, ShadowCell cell) {
@@ -138,6 +146,7 @@ uint shadow_in_cell(uint entry, ShadowCell cell) {
   uint crossing = 0u;
   uint outline = shadow_outline(shadow);
   float slack_m = max(shadows[shadow].slack_m, kShadowAirSlackM);
+  float soft_m = kLensPoints > 1u ? shadow_soft_m(shadow, cell.z_m.y, cell.lens_m) : 0.0;
   for (uint round_of = 0u; round_of < rounds && !outside; ++round_of) {
     [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
       uint own = next_plane(planes);
@@ -154,7 +163,8 @@ uint shadow_in_cell(uint entry, ShadowCell cell) {
         least = min(least, min(vec2(near, before), vec2(far, at + way * cell.end_m[c])));
         most = max(most, max(near, far));
       }
-      float slack = own < outline ? 0.0 : -slack_m;
+      float soft = kLensPoints > 1u && own < outline ? soft_m * length(plane.xy) : 0.0;
+      float slack = own < outline ? soft : -slack_m;
       outside = outside || (!cell.is_thin && max(least.x, least.y) > slack);
       // The same for the beam between two places of its axis.
       vec2 on_axis = plane.z * cell.z_m - plane.w;
@@ -162,7 +172,7 @@ uint shadow_in_cell(uint entry, ShadowCell cell) {
       vec2 nearest = on_axis - reach;
       vec2 farthest = on_axis + reach;
       outside = outside || min(nearest.x, nearest.y) > slack;
-      bool inside = (!cell.is_thin && most <= 0.0) || max(farthest.x, farthest.y) <= 0.0;
+      bool inside = (!cell.is_thin && most <= -soft) || max(farthest.x, farthest.y) <= -soft;
       if (!inside) crossing |= 1u << own;
     }
   }
@@ -180,11 +190,7 @@ bool shadow_near(uint shadow, vec3 center, float radius_m, vec3 normal, float le
   float slack_m = max(shadows[shadow].slack_m, kShadowSlackM) + shadow_rounding(center);
   bool may = true;
   // Half shadows are outside the planes.
-  float soft_m = 0.0;
-  if (kLensPoints > 1u) {
-    float begin_m = max(shadows[shadow].planes[FL_SHADOW_PLANES - 1].w - 1.0, 1e-3);  // shadows.comp
-    soft_m = lens_part_radius(kLensPoints) * lens_radius_m * max((center.z + radius_m) / begin_m - 1.0, 0.0);
-  }
+  float soft_m = kLensPoints > 1u ? shadow_soft_m(shadow, center.z + radius_m, lens_radius_m) : 0.0;
   for (uint round_of = 0u; round_of < rounds && may; ++round_of) {
     [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
       uint own = kShadowRound * round_of + k;
@@ -292,6 +298,7 @@ float lit_share_of(uint beam, vec3 p, vec3 aside, uint fixture, float lens_radiu
 struct ShadowChord {
   vec4 from;
   vec4 to;
+  float lens_m;  // radius of the lens from whose points shadows are cast
 };
 // beam: as it is drawn; where that is wider than it is, its places across are brought back into the beam.
 ShadowChord shadow_chord(BeamRow row, BeamShape beam, Chord chord, vec3 ray) {
@@ -302,6 +309,7 @@ ShadowChord shadow_chord(BeamRow row, BeamShape beam, Chord chord, vec3 ray) {
   ShadowChord ends;
   ends.from = back * vec4(chord.base + ray * chord.t_from_m, -1.0) / chord.w_from;
   ends.to = back * vec4(chord.base + ray * chord.t_to_m, -1.0) / chord.w_to;
+  ends.lens_m = kLensPoints > 1u ? shadow_lens_m(row) : 0.0;
   return ends;
 }
 // entry: in a rectangle that shows the chord.
@@ -320,7 +328,61 @@ bool shadow_part(uint entry, ShadowChord ends, out float x0, out float x1) {
   }
   return dark;
 }
+// The same with several points of the lens, each for the part of the lens around it. y below x: there is none.
+vec2 soft_shadow_part(uint entry, ShadowChord ends) {
+  uint shadow = entry_shadow(entry);
+  uint outline = shadow_outline(shadow);
+  uint count = shadow_planes(shadow);
+  vec3 point = lens_point(kLensPoints, shadow_point(shadow), ends.lens_m);
+  // How far behind the outline the chord's ends are, over how far the outline is; over w.
+  vec2 rise = vec2(FL_FAR_M);
+  for (uint round_of = outline / kShadowRound; kShadowRound * round_of < count; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = kShadowRound * round_of + k;
+      vec4 plane = shadows[shadow].planes[own];
+      float at_point = max(dot(plane.xyz, point) - plane.w, 1e-9);
+      vec2 here = -vec2(dot(plane, ends.from), dot(plane, ends.to)) / at_point;
+      rise = own >= outline && own < count ? min(rise, here) : rise;
+    }
+  }
+  vec2 wide = lens_part_radius(kLensPoints) * ends.lens_m * max(rise, vec2(0.0));
+  vec2 hard = vec2(0.0, 1.0);
+  vec2 outer = hard;
+  vec2 inner = hard;
+  uint planes = entry_planes(entry);
+  uint rounds = plane_rounds(planes);
+  for (uint round_of = 0u; round_of < rounds && outer.y > outer.x; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = next_plane(planes);
+      vec4 plane = shadows[shadow].planes[own];
+      vec2 ramp = own < outline ? length(plane.xy) * wide : vec2(0.0);
+      shadow_cut_soft(dot(plane, ends.from), dot(plane, ends.to), ramp.x, ramp.y, hard, outer, inner);
+    }
+  }
+  if (!(outer.y > outer.x)) return vec2(1.0, 0.0);
+  if (inner.y > inner.x) return hard;
+  vec3 shares = vec3(1.0);
+  vec3 at = outer.x + (outer.y - outer.x) * vec3(0.25, 0.5, 0.75);
+  planes = entry_planes(entry);
+  for (uint round_of = 0u; round_of < rounds; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = next_plane(planes);
+      vec4 plane = shadows[shadow].planes[own];
+      vec3 outside = mix(vec3(dot(plane, ends.from)), vec3(dot(plane, ends.to)), at);
+      vec3 ramp = length(plane.xy) * mix(vec3(wide.x), vec3(wide.y), at);
+      vec3 here = vec3(shadow_ramp(outside.x, ramp.x), shadow_ramp(outside.y, ramp.y),
+                       shadow_ramp(outside.z, ramp.z));
+      shares = own < outline ? min(shares, here) : shares;
+    }
+  }
+  return shadow_soft_part(hard, outer, shares);
+}
 void shadow_parts_join(inout ShadowParts parts, uint entry, ShadowChord ends) {
+  if (kLensPoints > 1u) {
+    vec2 part = soft_shadow_part(entry, ends);
+    if (part.y > part.x) shadow_parts_add(parts, part.x, part.y);
+    return;
+  }
   float x0;
   float x1;
   if (shadow_part(entry, ends, x0, x1)) shadow_parts_add(parts, x0, x1);

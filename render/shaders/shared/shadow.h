@@ -165,10 +165,12 @@ FL_FN Real shadow_front_at(Real at_point, Real at_place) { return at_point / max
 // The share of a disc of this radius around a point that an edge of the outline hides from a place. outside_m: the place
 // is so far outside the plane through the point and the edge; across: length of that plane's normal along the lens;
 // at: as above.
-FL_FN Real shadow_edge_share(Real outside_m, Real across, Real radius_m, Real at) {
-  Real half_m = radius_m * across * (Real(1) / max(at, Real(1e-4)) - Real(1));
-  Real x = clamp(Real(0.5) - Real(0.5) * outside_m / max(half_m, Real(1e-6)), Real(0), Real(1));
+FL_FN Real shadow_ramp(Real outside, Real half_width) {
+  Real x = clamp(Real(0.5) - Real(0.5) * outside / max(half_width, Real(1e-6)), Real(0), Real(1));
   return x * x * (Real(3) - Real(2) * x);
+}
+FL_FN Real shadow_edge_share(Real outside_m, Real across, Real radius_m, Real at) {
+  return shadow_ramp(outside_m, radius_m * across * (Real(1) / max(at, Real(1e-4)) - Real(1)));
 }
 
 // The shadow of a body in light from one point of the lens plane: all behind its faces that are lit from there, between
@@ -232,6 +234,28 @@ FL_FN bool shadow_cut(Real from, Real to, FL_INOUT(Real) x0, FL_INOUT(Real) x1) 
     x1 = min(x1, from / (from - to));
   }
   return x1 > x0;
+}
+
+// The same for an outline whose edge is a ramp, half_from and half_to wide at the chord's ends: hard is cut where the
+// ramp has its middle, outer where it begins, inner where it ends. All are from x to y. A part that is empty has x > y.
+FL_FN void shadow_cut_soft(Real from, Real to, Real half_from, Real half_to, FL_INOUT(Vec2) hard, FL_INOUT(Vec2) outer,
+                           FL_INOUT(Vec2) inner) {
+  if (!shadow_cut(from, to, hard.x, hard.y)) hard.y = Real(-1);
+  if (!shadow_cut(from - half_from, to - half_to, outer.x, outer.y)) outer.y = Real(-1);
+  if (!shadow_cut(from + half_from, to + half_to, inner.x, inner.y)) inner.y = Real(-1);
+}
+
+// What stands for the shadow on a chord that is nowhere wholly within an outline's ramps. shares: of the lens that is
+// hidden at a quarter, the middle and three quarters of `outer`. Where they are alike, as on a line of sight along an
+// edge, it is as long as their mean says; where they are not, it is hard. Then many lens points and rays make it soft.
+FL_FN Vec2 shadow_soft_part(Vec2 hard, Vec2 outer, Vec3 shares) {
+  Real middle = Real(0.5) * (outer.x + outer.y);
+  Real half_length = Real(0.25) * (shares.x + shares.z) * (outer.y - outer.x);
+  Real most = max(shares.x, max(shares.y, shares.z));
+  Real least = min(shares.x, min(shares.y, shares.z));
+  Real apart = clamp((most - least) * Real(2.5) - Real(0.25), Real(0), Real(1));
+  if (!(hard.y > hard.x)) hard = Vec2(middle, middle);
+  return Vec2(middle - half_length, middle + half_length) * (Real(1) - apart) + hard * apart;
 }
 
 // Disjoint parts of a chord that are in shadow, in shares of its measure, in any order. An empty one is from 2 to 2.
