@@ -64,7 +64,8 @@ ObjectTextures object_textures(const fixtures::Mesh& scene) {
 
 Status make_texture_tables(vk::Device& device, const ObjectTextures& textures, RigTables& r) {
   if (textures.rows.empty()) return {};
-  const std::uint64_t bytes = std::max(textures.texels.size() * std::uint64_t{4}, textures.uvs.size() * std::uint64_t{8});
+  const std::uint64_t bytes = std::max(textures.texels.size() * sizeof(std::uint32_t),
+                                       textures.uvs.size() * sizeof(glm::vec2));
   if (bytes > device.limits().maxStorageBufferRange) {
     return fail(ErrorCode::kUnsupported,
                 "{}: maxStorageBufferRange is {}, needed: {} bytes for the textures of objects; use smaller images",

@@ -160,7 +160,7 @@ TEST_CASE("beams that are taken together for tiles have the soft shadows of beam
   CHECK(hard.rel_l2 > 3 * norms.rel_l2);
 }
 
-TEST_CASE("a lens half in a box gives half its light, and one in a box, in a wall or behind a plate only finite light") {
+TEST_CASE("a lens half in a box gives half its light, and one in a box, a wall or behind a plate only finite light") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const auto light = [&](const std::vector<fixtures::StageBox>& boxes, unsigned points) {

@@ -76,8 +76,8 @@ FrameSettings texture_settings(int width, int height) {
 }
 
 // Red reflectance of each pixel, below 0 where the picture is black: light over that of a white texture.
-std::vector<double> reflectances(vk::Device& device, const TexturedQuad& quad, double away_m, double turn_deg, int width,
-                                 int height, FrameSettings settings) {
+std::vector<double> reflectances(vk::Device& device, const TexturedQuad& quad, double away_m, double turn_deg,
+                                 int width, int height, FrameSettings settings) {
   settings.width = width;
   settings.height = height;
   TexturedQuad white = quad;

@@ -61,7 +61,8 @@ vec3 texture_mean(TextureRow row, vec2 uv, vec2 dx, vec2 dy) {
   return sum / probes;
 }
 
-// The identity of a textured object at a pixel: its reflectance, rounded up or down so that the mean over pixels is right.
+// The identity of a textured object at a pixel: its reflectance, rounded up or down so that the mean over pixels is
+// right.
 uint textured_identity(uint texture_number, vec2 uv, vec2 dx, vec2 dy, vec2 pixel) {
   TextureRow row = textures[texture_number];
   vec3 albedo = clamp(row.albedo.rgb * texture_mean(row, uv, dx, dy), 0.0, 1.0);

@@ -148,22 +148,25 @@ FL_FN Vec3 lens_point(uint points, uint which, Real lens_radius_m) {
     return turned * (which < uint(2) ? lens_radius_m : -lens_radius_m);
   }
   if (which == uint(0)) return Vec3(0, 0, 0);
-  Real angle = Real(0.19012560334646642) + Real(1.0471975511965976) * Real(which);
-  return Vec3(cos(angle), sin(angle), 0) * (Real(0.816496580927726) * lens_radius_m);
+  uint third = (which - uint(1)) % uint(3);
+  Vec3 first = Vec3(0.8017837257372732, 0.15430334996209188, 0);
+  if (third == uint(1)) first = Vec3(0.26726124191242456, 0.7715167498104596, 0);
+  if (third == uint(2)) first = Vec3(-0.5345224838248486, 0.6172133998483678, 0);
+  return first * (which < uint(4) ? lens_radius_m : -lens_radius_m);
 }
 FL_FN Real lens_point_weight(uint points, uint which) {
   if (points == uint(7)) return which == uint(0) ? Real(0.25) : Real(0.125);
   return points == uint(4) ? Real(0.25) : Real(1);
 }
 
-// On a surface each point stands for the part of the lens around it, a disc of this radius over R0: so the steps between
-// the points' edges are ramps.
+// Each point stands for the part of the lens around it, a disc of this radius over R0: so the steps between the points'
+// edges are ramps.
 FL_FN Real lens_part_radius(uint points) { return points == uint(7) ? Real(0.37796447300922725) : Real(0.5); }
-// The share of the way from a point to a place at which light passes a front; values: of the front's plane, > 0 outside.
-// At the outline the largest of all fronts is where it passes the body.
+// The share of the way from a point to a place at which light passes a front; values: of the front's plane, > 0
+// outside. At the outline the largest of all fronts is where it passes the body.
 FL_FN Real shadow_front_at(Real at_point, Real at_place) { return at_point / max(at_point - at_place, Real(1e-9)); }
-// The share of a disc of this radius around a point that an edge of the outline hides from a place. outside_m: the place
-// is so far outside the plane through the point and the edge; across: length of that plane's normal along the lens;
+// The share of a disc of this radius around a point that an edge of the outline hides from a place. outside_m: how far
+// the place is outside the plane through the point and the edge; across: length of that plane's normal along the lens;
 // at: as above.
 FL_FN Real shadow_ramp(Real outside, Real half_width) {
   Real x = clamp(Real(0.5) - Real(0.5) * outside / max(half_width, Real(1e-6)), Real(0), Real(1));

@@ -506,7 +506,7 @@ double hidden_share(const ShadowCase& c, unsigned points, unsigned which, const 
   return share;
 }
 
-TEST_CASE("shadows from 4 points of a lens are nearer to those of its disc than the model's, and from 7 points nearer") {
+TEST_CASE("shadows from 4 points of a lens are nearer to those of its disc than hard ones, and from 7 points nearer") {
   const fixtures::Haze haze{0.02, 0.001, 0.4, 0};
   const std::vector<glm::dvec2> disc = judge_lens(400);
   for (const double half_m : {0.025, 0.1, 0.3, 1.0}) {

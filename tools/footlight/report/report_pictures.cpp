@@ -483,8 +483,8 @@ ReportHalf add_report_pictures(Arguments& arguments) {
                    "error of fixture bodies in pixels, in the whole frame; 0: whole models");
   arguments.option("--shadows", chosen->shadow_words, "WORD", "of the whole frame; " + std::string(kShadowsHelp));
   arguments.option("--penumbra", chosen->penumbra, "POINTS",
-                   "of all rows; with 4 and 7 errors are those to light from the whole of each lens, and there are rows "
-                   "of 1, 4 and 7; " + std::string(kPenumbraHelp));
+                   "of all rows; with 4 and 7 errors are those to light from the whole of each lens, and there are "
+                   "rows of 1, 4 and 7; " + std::string(kPenumbraHelp));
   arguments.option("--error", chosen->error, "SHARE", "choose the knobs for this error, as in 0.1%, and measure them");
   arguments.option("--ms", chosen->ms, "MS", "choose the knobs for this GPU time of a frame, and measure them");
   arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this text");
