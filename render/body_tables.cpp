@@ -9,6 +9,7 @@
 #include "fixtures/bodies/body.h"
 #include "fixtures/bodies/levels.h"
 #include "fixtures/bodies/tree.h"
+#include "render/texture_tables.h"
 
 namespace footlight::render {
 namespace {
@@ -79,16 +80,20 @@ std::vector<fixtures::BodyMesh> bodies_of(const fixtures::Rig& rig, const fixtur
   return bodies;
 }
 
-// The objects of the scene in stage space; their albedo is in the parts of their vertices.
+// The objects of the scene in stage space; their albedo, or the number of their texture, is in the parts of their
+// vertices.
 fixtures::BodyMesh objects_of(const fixtures::Rig& rig, fixtures::Diagnostics& diagnostics,
-                              std::vector<fixtures::SolidBox>* object_solids) {
+                              std::vector<fixtures::SolidBox>* object_solids, ObjectTextures& textures) {
   const fixtures::Mesh scene = fixtures::scene_mesh(rig, diagnostics, object_solids);
+  textures = object_textures(scene);
   fixtures::BodyMesh mesh;
   mesh.indices = scene.indices;
   for (const fixtures::MeshVertex& vertex : scene.vertices) {
     const glm::vec3 albedo = glm::clamp(scene.materials[vertex.material].albedo, 0.0f, 1.0f) * 1023.0f + 0.5f;
-    const std::uint32_t part = FL_OBJECT | static_cast<std::uint32_t>(albedo.x) << 20 |
-                               static_cast<std::uint32_t>(albedo.y) << 10 | static_cast<std::uint32_t>(albedo.z);
+    const std::uint32_t plain = FL_OBJECT | static_cast<std::uint32_t>(albedo.x) << 20 |
+                                static_cast<std::uint32_t>(albedo.y) << 10 | static_cast<std::uint32_t>(albedo.z);
+    const std::uint32_t texture = textures.material[vertex.material];
+    const std::uint32_t part = texture == FL_NONE ? plain : FL_OBJECT | FL_OBJECT_TEXTURED | texture;
     const glm::vec3& p = vertex.position_m;
     const glm::vec3& n = vertex.normal;
     mesh.vertices.push_back({{p.x, p.y, p.z}, {n.x, n.y, n.z}, part});
@@ -228,7 +233,9 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   r.mesh_count = static_cast<std::uint32_t>(meshes.size());
   r.draw_count = static_cast<std::uint32_t>(draws.size());
   fixtures::BodyMesh objects;
-  if (r.has_bodies) objects = objects_of(rig, diagnostics, object_solids);
+  ObjectTextures textures;
+  if (r.has_bodies) objects = objects_of(rig, diagnostics, object_solids, textures);
+  FL_TRY(make_texture_tables(device, textures, r));
   if (!objects.indices.empty()) {
     add(objects, 1, 0);
     r.object_triangles = objects.indices.size() / 3;

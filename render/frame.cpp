@@ -1,7 +1,6 @@
 #include "render/frame.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -103,11 +102,7 @@ Status Frame::check_settings(const FrameSettings& settings) const {
     return fail(ErrorCode::kBadInput, "{} samples of a pixel with an edge: expected 0, 4, 8 or 16",
                 settings.edge_samples);
   }
-  const std::uint32_t map_px = settings.shadow_map_px;
-  if (map_px != 0 && map_px != kShadowsSuited &&
-      (map_px < kMapLeastPx || map_px > kMapMostPx || !std::has_single_bit(map_px))) {
-    return fail(ErrorCode::kBadInput, "shadow maps of {} texels a side: expected 16, 32, 64, 128 or 256, or 0", map_px);
-  }
+  FL_TRY(check_shadow_settings(settings));
   if (!(settings.glare >= 0 && settings.glare <= 1)) {
     return fail(ErrorCode::kBadInput, "glare {}: expected a share of the light, 0 to 1", settings.glare);
   }
@@ -145,19 +140,7 @@ Status Frame::change(const FrameSettings& requested) {
   if (has_occluders(needs, settings) && !resources_.rig.has_occluders) {
     return fail(ErrorCode::kBadInput, "shadows were left out when the frame was made: expected a new frame");
   }
-  if (settings.shadow_map_px == kShadowsSuited) settings.shadow_map_px = resources_.rig.shadow_map_px;
-  if (has_shadows(needs, settings)) {
-    if (settings.shadow_map_px == 0 && resources_.rig.shadow_map_px > 0) {
-      return fail(ErrorCode::kBadInput, "the frame was made for shadow maps: expected a new frame");
-    }
-    if (settings.shadow_map_px > 0 && resources_.rig.shadow_map_px == 0) {
-      return fail(ErrorCode::kBadInput,
-                  "the frame was made for exact shadows: expected a new frame, or fewer beams if shadow maps of all of "
-                  "them do not fit into {} bytes",
-                  std::min<std::uint64_t>(FL_MAP_BYTES_MAX, device_.limits().maxStorageBufferRange));
-    }
-    settings.shadow_map_px = resources_.rig.shadow_map_px;
-  }
+  FL_TRY(suit_shadows(needs, resources_.rig, device_.limits().maxStorageBufferRange, settings));
   if (has_bounce(needs, settings) && !resources_.rig.has_bounce) {
     return fail(ErrorCode::kBadInput, "reflected light was left out when the frame was made: expected a new frame");
   }
@@ -175,6 +158,7 @@ Status Frame::change(const FrameSettings& requested) {
       has_smooth_edges(needs, settings) == has_smooth_edges(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_glare(needs, settings) == has_glare(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_gloss(needs, settings) == has_gloss(needs, settings_) && settings.gloss_px == settings_.gloss_px &&
+      settings.penumbra == settings_.penumbra &&
       has_tile_classes(needs, settings) == has_tile_classes(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_shadows_in_air(needs, settings) == has_shadows_in_air(drawn_needs(needs_, haze_, settings_), settings_);
   passes_.clear();

@@ -97,6 +97,10 @@ struct PassEntry {
 [[nodiscard]] inline std::uint32_t shadow_map_px(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shadows(needs, settings) && settings.shadow_map_px != kShadowsSuited ? settings.shadow_map_px : 0;
 }
+// Points of a lens from which exact shadows are cast; 1 where maps stand for them.
+[[nodiscard]] inline std::uint32_t lens_points(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_shadows(needs, settings) && shadow_map_px(needs, settings) == 0 ? settings.penumbra : 1;
+}
 // Whether anything hides light in the air.
 [[nodiscard]] inline bool has_shadows_in_air(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shadows(needs, settings) && has_air(needs, settings);

@@ -136,6 +136,9 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_HEAD_SLOTS, &R::head_slots},
     {FL_BINDING_BODY_DRAWN, &R::drawn},
     {FL_BINDING_BODY_DRAWS, &R::draws},
+    {FL_BINDING_TEXTURES, &R::textures},
+    {FL_BINDING_TEXTURE_TEXELS, &R::texture_texels},
+    {FL_BINDING_OBJECT_UVS, &R::object_uvs},
     {FL_BINDING_GOBO_TABLES, &R::gobo_tables},
     {FL_BINDING_GOBO_QUEUE, &R::gobo_queue},
     {FL_BINDING_GATES, &R::gates}};
@@ -150,7 +153,8 @@ std::uint32_t lavapipe_beams_max(const MemoryShape& shape) {
   if (has_shadows(shape.needs, shape.settings)) {
     const auto occluders =
         static_cast<std::uint32_t>(std::min<std::uint64_t>(occluder_bytes(shape) / sizeof(OccluderRow), 24));
-    plain = std::min(plain, kRounds / (16 + 16 * occluders));
+    const std::uint32_t points = shape.settings.penumbra;
+    plain = std::min(plain, kRounds / (16 + 16 * occluders * points * (points > 1 ? 2 : 1)));  // soft ones take twice
   }
   return shape.needs.gobo ? std::min(plain, kRounds / std::max(shape.settings.gobo_taps, 1u)) : plain;
 }
@@ -232,7 +236,8 @@ std::uint64_t shadow_word_bytes(const FrameSettings& settings, std::uint32_t mas
 // The words of all supertiles together, and the number of those in use.
 std::uint64_t shadow_pick_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
   if (!used) return 12;
-  const std::uint64_t words = std::max<std::uint64_t>(std::uint64_t{mask_words} * 32 * FL_PICKS_A_BEAM, FL_PICKS_MIN);
+  const std::uint64_t words =
+      std::max<std::uint64_t>(std::uint64_t{mask_words} * 32 * FL_PICKS_A_BEAM, FL_PICKS_MIN) * settings.penumbra;
   return std::min<std::uint64_t>(8 + supertile_count(settings) * words * 4, FL_PICKS_BYTES_MAX);
 }
 
@@ -706,7 +711,8 @@ std::uint64_t Resources::body_bytes() const {
   std::uint64_t bytes = picture.surface_id.size_bytes + picture.depth.size_bytes;
   const vk::Buffer* const buffers[] = {
       &rig.slots,   &rig.meshes, &rig.body_boxes, &rig.trees, &rig.head_slots,       &rig.body_levels,   &rig.vertices,
-      &rig.indices, &rig.draws,  &rig.choices,    &rig.drawn, &picture.small_depths, &picture.small_keys};
+      &rig.indices, &rig.draws,  &rig.choices,    &rig.drawn, &picture.small_depths, &picture.small_keys,
+      &rig.textures, &rig.texture_texels, &rig.object_uvs};
   for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
   return bytes;
 }

@@ -77,6 +77,7 @@ struct RigTables {
   vk::Buffer displays, display_levels, display_jobs;  // DisplayRow, DisplayLevelRow, DisplayJobRow
   vk::Buffer display_cells;                           // words of the cells of displays, on all levels
   vk::Buffer gloss;          // GlossRow
+  vk::Buffer textures, texture_texels, object_uvs;  // texture_tables.h
   vk::Buffer shadow_lists;   // ShadowListRow, one a beam
   vk::Buffer shadows;        // ShadowRow
   vk::Buffer shadow_maps;    // lib/shadow_map.glsl
@@ -128,11 +129,13 @@ struct RigTables {
   std::uint32_t mesh_count = 0;         // of bodies
   std::uint32_t draw_count = 0;         // of bodies: levels of all meshes
   std::uint32_t object_draw_count = 0;  // of the scene's objects, behind them: 0 or 1
+  std::uint32_t texture_count = 0;      // of objects
   std::uint32_t mask_words = 0;
   std::uint64_t levels_bytes = 0;
   bool has_bodies = false;        // the models were read
   bool has_shadows = false;       // there is what shadows of beams need
   std::uint32_t shadow_map_px = 0;  // texels a side of shadow maps; 0: shadows are cut exactly
+  std::uint32_t lens_points = 1;    // most points of a lens from which exact shadows have room
   bool has_occluders = false;     // it is known what hides light
   bool has_trees = false;         // there is what smooth edges need
   bool has_bounce = false;        // there is what reflected light needs

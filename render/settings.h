@@ -84,6 +84,10 @@ struct FrameSettings {
   // the maps of all beams would take more than FL_MAP_BYTES_MAX. kShadowsSuited: as suits the rig (suited_map_px,
   // shadow_tables.h). A new frame reads it; change() refuses another way than the frame was made for.
   std::uint32_t shadow_map_px = kShadowsSuited;
+  // Points of each lens from which exact shadows are cast, 1, 4 or 7 (lens_point(), render/shaders/shared/shadow.h). 1:
+  // shadows have hard edges. Shadow maps have one. A new frame reads it; change() refuses more points than the frame
+  // was made for.
+  std::uint32_t penumbra = 1;
   // Boxes and built-in scenery reflect light to each other and to bodies (render/bounce_tables.h). Off here since the
   // judge has no such light; `render` and `preview` turn it on.
   bool bounce = false;

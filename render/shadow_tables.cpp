@@ -1,6 +1,7 @@
 #include "render/shadow_tables.h"
 
 #include <algorithm>
+#include <bit>
 #include <vector>
 
 #include "fixtures/bodies/solids.h"
@@ -62,10 +63,43 @@ std::uint64_t map_bytes(const MemoryShape& shape, std::uint32_t px) {
 std::uint64_t exact_bytes(const MemoryShape& shape, std::size_t occluders) {
   if (!has_shadows(shape.needs, shape.settings)) return sizeof(ShadowRow);
   const std::uint64_t pairs = shape.compiled.beams_max * std::uint64_t{occluders};
-  return std::clamp<std::uint64_t>(pairs, 1, FL_SHADOW_ROWS_MAX) * sizeof(ShadowRow);
+  return std::clamp<std::uint64_t>(pairs * shape.settings.penumbra, 1, FL_SHADOW_ROWS_MAX) * sizeof(ShadowRow);
 }
 
 }  // namespace
+
+Status check_shadow_settings(const FrameSettings& settings) {
+  const std::uint32_t map_px = settings.shadow_map_px;
+  if (map_px != 0 && map_px != kShadowsSuited &&
+      (map_px < kMapLeastPx || map_px > kMapMostPx || !std::has_single_bit(map_px))) {
+    return fail(ErrorCode::kBadInput, "shadow maps of {} texels a side: expected 16, 32, 64, 128 or 256, or 0", map_px);
+  }
+  if (settings.penumbra != 1 && settings.penumbra != 4 && settings.penumbra != 7) {
+    return fail(ErrorCode::kBadInput, "shadows from {} points of a lens: expected 1, 4 or 7", settings.penumbra);
+  }
+  return {};
+}
+
+Status suit_shadows(const fixtures::Needs& needs, const RigTables& rig, std::uint64_t range_bytes,
+                    FrameSettings& settings) {
+  if (settings.shadow_map_px == kShadowsSuited) settings.shadow_map_px = rig.shadow_map_px;
+  if (!has_shadows(needs, settings)) return {};
+  if (settings.shadow_map_px == 0 && rig.shadow_map_px > 0) {
+    return fail(ErrorCode::kBadInput, "the frame was made for shadow maps: expected a new frame");
+  }
+  if (settings.shadow_map_px > 0 && rig.shadow_map_px == 0) {
+    return fail(ErrorCode::kBadInput,
+                "the frame was made for exact shadows: expected a new frame, or fewer beams if shadow maps of all of "
+                "them do not fit into {} bytes",
+                std::min<std::uint64_t>(FL_MAP_BYTES_MAX, range_bytes));
+  }
+  if (settings.penumbra > rig.lens_points) {
+    return fail(ErrorCode::kBadInput, "the frame was made for shadows from {} points of a lens, not {}: expected a new "
+                "frame", rig.lens_points, settings.penumbra);
+  }
+  settings.shadow_map_px = rig.shadow_map_px;
+  return {};
+}
 
 std::uint64_t occluder_bytes(const MemoryShape& shape) { return planned_occluders(shape) * sizeof(OccluderRow); }
 
@@ -104,6 +138,7 @@ Status make_shadow_tables(vk::Device& device, const MemoryShape& shape,
             vk::Buffer::device_local(device, shadow_list_bytes(shape), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   const std::uint64_t range = device.limits().maxStorageBufferRange;
   r.shadow_map_px = suited_map_px(shape, range);
+  r.lens_points = shape.settings.penumbra;
   FL_ASSIGN(r.shadow_maps, vk::Buffer::device_local(device, r.shadow_map_px > 0 ? map_bytes(shape, r.shadow_map_px) : 4,
                                                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   const std::uint64_t most = range / sizeof(ShadowRow) * sizeof(ShadowRow);

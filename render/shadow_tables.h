@@ -9,6 +9,14 @@
 
 namespace footlight::render {
 
+// Fails if shadow_map_px or penumbra are not among the values that settings.h names.
+Status check_shadow_settings(const FrameSettings& settings);
+
+// Sets shadow_map_px to what the tables of a frame have. Fails if they were made for other shadows, or for fewer points
+// of a lens. range_bytes: the largest table of the device.
+Status suit_shadows(const fixtures::Needs& needs, const RigTables& rig, std::uint64_t range_bytes,
+                    FrameSettings& settings);
+
 // Bytes of the OccluderRow, ShadowListRow and ShadowRow tables; of one row where nothing hides light. Every beam may
 // have a shadow of everything, up to FL_SHADOW_ROWS_MAX; a device that allows less for a table gets less. Each part of
 // an object counts as one row: how many it has is known when its file is read.

@@ -14,6 +14,9 @@
 #include "shaders/resolve.comp.h"
 #include "shaders/small.comp.h"
 #include "shaders/surface.frag.h"
+#include "shaders/texturemirror.frag.h"
+#include "shaders/textureobject.vert.h"
+#include "shaders/texturesurface.frag.h"
 
 namespace footlight::render {
 namespace {
@@ -153,6 +156,11 @@ const PassEntry kBodiesPass{
       }
       if (r.rig.object_draw_count > 0) {
         raster.vertex_spirv = kObjectVert;
+        if (r.rig.texture_count > 0) {
+          raster.vertex_spirv = kTextureobjectVert;
+          raster.fragment_spirv = has_constant(context, FL_SPEC_GLOSS) ? vk::Spirv(kTexturemirrorFrag)
+                                                                       : vk::Spirv(kTexturesurfaceFrag);
+        }
         FL_ASSIGN(parts.objects, raster_part(context, raster));
       }
       return std::unique_ptr<Pass>(new BodiesPass(context, std::move(parts)));
@@ -165,7 +173,9 @@ const PassEntry kBodiesPass{
                                                  {kBodyVert, kSurfaceFrag},
                                                  {kObjectVert, kSurfaceFrag},
                                                  {kBodyVert, kMirrorFrag},
-                                                 {kObjectVert, kMirrorFrag}};
+                                                 {kObjectVert, kMirrorFrag},
+                                                 {kTextureobjectVert, kTexturesurfaceFrag},
+                                                 {kTextureobjectVert, kTexturemirrorFrag}};
     },
     "bodies of fixtures and objects of the scene",
     [] {

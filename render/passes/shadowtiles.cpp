@@ -33,7 +33,8 @@ const PassEntry kShadowtilesPass{
       return std::vector<vk::SpecConstant>{{FL_SPEC_RECTANGLE, needs.rectangle},
                                            {FL_SPEC_BOXES, needs.surfaces},
                                            {FL_SPEC_BODIES, has_bodies(needs, settings)},
-                                           {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)}};
+                                           {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
+                                           {FL_SPEC_PENUMBRA, lens_points(needs, settings)}};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       FL_ASSIGN(BoundPipeline step, BoundPipeline::compute(context, kShadowtilesComp, context.constants));

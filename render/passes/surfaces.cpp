@@ -24,6 +24,7 @@ const PassEntry kSurfacesPass{
                                            {FL_SPEC_IRIS, needs.iris},
                                            {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
                                            {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
+                                           {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
                                            {FL_SPEC_BOUNCE, has_bounce(needs, settings)},
                                            {FL_SPEC_LENSES, has_small_lenses(needs, settings)},
                                            {FL_SPEC_GLOSS, has_gloss(needs, settings)},

@@ -22,6 +22,7 @@ namespace footlight::render {
           {FL_SPEC_IRIS, needs.iris},
           {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
           {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
+          {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
           {FL_SPEC_HAZE, needs.haze_field},
           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
 }

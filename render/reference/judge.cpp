@@ -327,11 +327,98 @@ JudgeSolid thickened(const JudgeSolid& solid) {
   return thick;
 }
 
+// A place of the unit disc on the lens; of a rectangular beam the same share of each of its strips.
+glm::dvec3 lens_place(const JudgeBeam& beam, const glm::dvec2& in_disc) {
+  glm::dvec2 at = in_disc;
+  if (beam.aspect > 0) {
+    // A strip of the disc beside the axis has the area asin x + x sqrt(1 - x^2) over pi/2.
+    const auto even = [](double x) {
+      return std::clamp((std::asin(x) + x * std::sqrt(1 - x * x)) * 2 / std::numbers::pi, -1.0, 1.0);
+    };
+    const double half = std::sqrt(std::max(1 - in_disc.x * in_disc.x, 1e-12));
+    at = {even(std::clamp(in_disc.x, -1.0, 1.0)), std::clamp(in_disc.y / half, -1.0, 1.0) / beam.aspect};
+  }
+  return beam.lens_m + beam.lens_radius_m * (at.x * beam.x_axis + at.y * beam.y_axis);
+}
+
+using DarkParts = std::vector<std::pair<double, double>>;
+
+// Sorts places from..to of a ray and adds those parts between two of them in whose middle light is hidden.
+template <class Hides>
+void add_dark_between(std::vector<double>& places, const Hides& hides, DarkParts& dark) {
+  std::sort(places.begin(), places.end());
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+    const double middle = 0.5 * (places[i] + places[i + 1]);
+    if (!(middle > places[i]) || !hides(middle)) continue;
+    if (!dark.empty() && dark.back().second == places[i]) {
+      dark.back().second = places[i + 1];
+    } else {
+      dark.emplace_back(places[i], places[i + 1]);
+    }
+  }
+}
+
+// The same for light from one point of the lens, which goes straight: planes through the faces, and through the point
+// and each edge.
+void add_dark_parts_from(const glm::dvec3& point_m, const JudgeSolid& given, const glm::dvec3& base_m,
+                         const glm::dvec3& direction, double from, double to, DarkParts& dark) {
+  const JudgeSolid solid = thickened(given);
+  std::vector<double> places{from, to};
+  const auto meet = [&](const glm::dvec3& normal, const glm::dvec3& on_plane_m) {
+    const double t = -glm::dot(normal, base_m - on_plane_m) / glm::dot(normal, direction);
+    if (t > from && t < to) places.push_back(t);
+  };
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3& u = solid.half_m[i];
+    const glm::dvec3& v = solid.half_m[(i + 1) % 3];
+    const glm::dvec3& w = solid.half_m[(i + 2) % 3];
+    for (const double side : {-1.0, 1.0}) {
+      meet(glm::cross(v, w), solid.center_m + side * u);
+      for (const double other : {-1.0, 1.0}) {
+        meet(glm::cross(solid.center_m + side * v + other * w - point_m, u), point_m);
+      }
+    }
+  }
+  add_dark_between(
+      places, [&](double t) { return judge_hides_from(point_m, solid, base_m + t * direction); }, dark);
+}
+
+// The share of a lens that lights places of a ray.
+class LitShare {
+ public:
+  explicit LitShare(std::size_t points) : points_(static_cast<double>(points)) {}
+  // Of one point.
+  void add(DarkParts dark) {
+    std::sort(dark.begin(), dark.end());
+    for (std::size_t i = 0; i < dark.size();) {
+      const double from = dark[i].first;
+      double to = from;
+      for (; i < dark.size() && (to == from || dark[i].first <= to); ++i) to = std::max(to, dark[i].second);
+      changes_.emplace_back(from, -1 / points_);
+      changes_.emplace_back(to, 1 / points_);
+    }
+  }
+  void close() {
+    std::sort(changes_.begin(), changes_.end());
+    for (std::size_t i = 1; i < changes_.size(); ++i) changes_[i].second += changes_[i - 1].second;
+  }
+  double at(double t) const {
+    const auto after = std::upper_bound(changes_.begin(), changes_.end(), std::pair(t, 2.0));
+    return after == changes_.begin() ? 1.0 : std::max(1 + std::prev(after)->second, 0.0);
+  }
+  // Places and what has changed since the beginning.
+  const DarkParts& changes() const { return changes_; }
+
+ private:
+  double points_;
+  DarkParts changes_;
+};
+
 // Adds the parts from..to of a ray on which a solid hides the light. A part begins and ends where the ray meets a plane
 // through a face, or a plane of light paths through an edge or through where a face meets the lens plane; between two
 // such places a traced path in the middle decides.
 void add_dark_parts(const JudgeBeam& beam, const JudgeSolid& given, const glm::dvec3& base_from_lens,
-                    const glm::dvec3& direction, double from, double to, std::vector<std::pair<double, double>>& dark) {
+                    const glm::dvec3& direction, double from, double to, DarkParts& dark) {
   const JudgeSolid solid = thickened(given);
   const auto turned = [&](const glm::dvec3& v) {
     return glm::dvec3(glm::dot(v, beam.x_axis), glm::dot(v, beam.y_axis), glm::dot(v, beam.axis));
@@ -366,17 +453,8 @@ void add_dark_parts(const JudgeBeam& beam, const JudgeSolid& given, const glm::d
       }
     }
   }
-  std::sort(places.begin(), places.end());
-  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
-    const double middle = 0.5 * (places[i] + places[i + 1]);
-    if (!(middle > places[i])) continue;
-    if (!judge_hides(beam, solid, beam.lens_m + base_from_lens + middle * direction)) continue;
-    if (!dark.empty() && dark.back().second == places[i]) {
-      dark.back().second = places[i + 1];
-    } else {
-      dark.emplace_back(places[i], places[i + 1]);
-    }
-  }
+  add_dark_between(
+      places, [&](double t) { return judge_hides(beam, solid, beam.lens_m + base_from_lens + t * direction); }, dark);
 }
 
 // The air is visible up to `range_m` of the scene or to a nearer surface.
@@ -390,6 +468,7 @@ struct Air {
   const fixtures::Haze& haze;
   const HazeDensity& density;
   bool even_extinction;
+  std::span<const glm::dvec2> lens = {};  // points of it that cast shadows; none: paths of the model do
 };
 double inscatter(const JudgeBeam& beam, const Air& air, const Ray& ray, double t_min_m, double t_max_m,
                  const GoboTransmission& gobo, double tolerance, int refinement, std::span<const JudgeSolid> solids);
@@ -410,8 +489,8 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     const double t_max_m = visible_air_m(scene, hit);
     for (const JudgeBeam& beam : scene.beams) {
       const glm::dvec3 share = in_colors(beam, [&](const GoboTransmission& gobo) {
-        return inscatter(beam, {scene.haze, scene.density, scene.even_extinction}, ray, 0, t_max_m, gobo, tolerance,
-                         refinement, scene.solids);
+        return inscatter(beam, {scene.haze, scene.density, scene.even_extinction, scene.lens}, ray, 0, t_max_m, gobo,
+                         tolerance, refinement, scene.solids);
       });
       if (share.x + share.y + share.z > 0) *hits += 1;
       total += scene.haze.scattering_per_m * share * beam.strength_lm;
@@ -423,13 +502,11 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     const glm::dvec3 point_m = ray.origin_m + hit->t_m * ray.direction;
     glm::dvec3 lux(scene.ambient_lx);
     for (const JudgeBeam& beam : scene.beams) {
-      const bool hidden = std::any_of(scene.solids.begin(), scene.solids.end(), [&](const JudgeSolid& solid) {
-        return may_hide(beam, solid) && judge_hides(beam, solid, point_m);
-      });
-      if (hidden) continue;
+      const double lit = judge_lit(beam, scene.lens, scene.solids, point_m);
+      if (!(lit > 0)) continue;
       lux += in_colors(beam,
                        [&](const GoboTransmission& gobo) {
-                         return judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
+                         return lit * judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
                        }) *
              beam.strength_lm;
     }
@@ -478,20 +555,29 @@ double inscatter(const JudgeBeam& beam, const Air& air, const Ray& ray, double t
                                     static_cast<double>(light.oy + base * light.dy) * beam.y_axis +
                                     static_cast<double>(light.oz + base * light.dz) * beam.axis;
   const double sigma_t = extinction_per_m(haze);
-  std::vector<std::pair<double, double>> dark;
-  for (const JudgeSolid& solid : solids) {
-    if (!may_hide(beam, solid)) continue;
-    add_dark_parts(beam, solid, base_from_lens, ray.direction, static_cast<double>(from), static_cast<double>(to),
-                   dark);
+  LitShare lit(std::max<std::size_t>(air.lens.size(), 1));
+  for (std::size_t point = 0; point < std::max<std::size_t>(air.lens.size(), 1); ++point) {
+    DarkParts dark;
+    for (const JudgeSolid& solid : solids) {
+      if (!may_hide(beam, solid)) continue;
+      if (air.lens.empty()) {
+        add_dark_parts(beam, solid, base_from_lens, ray.direction, static_cast<double>(from), static_cast<double>(to),
+                       dark);
+      } else {
+        add_dark_parts_from(lens_place(beam, air.lens[point]), solid, beam.lens_m + base_from_lens, ray.direction,
+                            static_cast<double>(from), static_cast<double>(to), dark);
+      }
+    }
+    lit.add(std::move(dark));
   }
+  lit.close();
   const auto integrand = [&](double t_m) {
-    const bool hidden =
-        std::any_of(dark.begin(), dark.end(), [&](const auto& part) { return t_m > part.first && t_m < part.second; });
-    if (hidden) return 0.0;
+    const double share = lit.at(t_m);
+    if (!(share > 0)) return 0.0;
     const LightAt at = light_at(beam, gobo, base_from_lens + t_m * ray.direction);
     if (!(at.illuminance > 0) || !passes_blades(beam, at.rho)) return 0.0;
     const double scattering_cosine = -glm::dot(at.direction, ray.direction);
-    const double light = at.illuminance * henyey_greenstein(scattering_cosine, haze.anisotropy);
+    const double light = share * at.illuminance * henyey_greenstein(scattering_cosine, haze.anisotropy);
     if (!air.density) return light * std::exp(-sigma_t * (base_m + t_m + at.distance_m));
     const glm::dvec3 place_m = beam.lens_m + base_from_lens + t_m * ray.direction;
     double depth = sigma_t * (base_m + t_m + at.distance_m);
@@ -511,10 +597,7 @@ double inscatter(const JudgeBeam& beam, const Air& air, const Ray& ray, double t
   const auto cut = [&](double t_m) {
     if (t_m > from_m && t_m < to_m) cuts.push_back(t_m);
   };
-  for (const auto& [dark_from, dark_to] : dark) {
-    cut(dark_from);
-    cut(dark_to);
-  }
+  for (const auto& [place, change] : lit.changes()) cut(place);
   cut(0);
   cut(-glm::dot(base_from_lens, ray.direction) / glm::dot(ray.direction, ray.direction));
   const double w_base = beam.lens_radius_m + beam.spread * glm::dot(base_from_lens, beam.axis);
@@ -776,17 +859,46 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
 
 double judge_inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m,
                        double t_max_m, const GoboTransmission& gobo, double tolerance,
-                       std::span<const JudgeSolid> solids) {
-  return inscatter(beam, {haze, kEven, true}, ray, t_min_m, t_max_m, gobo, tolerance, 1, solids);
+                       std::span<const JudgeSolid> solids, std::span<const glm::dvec2> lens) {
+  return inscatter(beam, {haze, kEven, true, lens}, ray, t_min_m, t_max_m, gobo, tolerance, 1, solids);
+}
+
+std::vector<glm::dvec2> judge_lens(int count) {
+  std::vector<glm::dvec2> points;
+  for (int i = 0; i < count; ++i) {
+    const double r = std::sqrt((i + 0.5) / count);
+    const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    points.emplace_back(r * std::cos(angle), r * std::sin(angle));
+  }
+  return points;
+}
+
+double judge_lit(const JudgeBeam& beam, std::span<const glm::dvec2> lens, std::span<const JudgeSolid> solids,
+                 const glm::dvec3& point_m) {
+  const auto hidden = [&](const auto& hides) {
+    return std::any_of(solids.begin(), solids.end(),
+                       [&](const JudgeSolid& solid) { return may_hide(beam, solid) && hides(solid); });
+  };
+  if (lens.empty()) return hidden([&](const auto& solid) { return judge_hides(beam, solid, point_m); }) ? 0 : 1;
+  double lit = 0;
+  for (const glm::dvec2& place : lens) {
+    const glm::dvec3 from_m = lens_place(beam, place);
+    if (!hidden([&](const auto& solid) { return judge_hides_from(from_m, solid, point_m); })) lit += 1;
+  }
+  return lit / static_cast<double>(lens.size());
 }
 
 bool judge_hides(const JudgeBeam& beam, const JudgeSolid& solid, const glm::dvec3& point_m) {
-  const JudgeSolid thick = thickened(solid);
   const glm::dvec3 from_lens = point_m - beam.lens_m;
   const double radius_m = beam.lens_radius_m + beam.spread * glm::dot(from_lens, beam.axis);
   const double scale = beam.lens_radius_m / radius_m;
   const glm::dvec3 lens_m = beam.lens_m + scale * (glm::dot(from_lens, beam.x_axis) * beam.x_axis +
                                                    glm::dot(from_lens, beam.y_axis) * beam.y_axis);
+  return judge_hides_from(lens_m, solid, point_m);
+}
+
+bool judge_hides_from(const glm::dvec3& lens_m, const JudgeSolid& solid, const glm::dvec3& point_m) {
+  const JudgeSolid thick = thickened(solid);
   const glm::dvec3 path = point_m - lens_m;
   double enter = 0;
   double leave = 1;

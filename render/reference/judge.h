@@ -106,6 +106,8 @@ using HazeDensity = std::function<double(const glm::dvec3& place_m)>;
 struct JudgeScene {
   std::vector<JudgeBeam> beams;    // only lit ones
   std::vector<JudgeSolid> solids;  // empty: nothing hides light
+  std::vector<glm::dvec2> lens;    // points of the unit disc from which light is hidden, each with an equal share of
+                                   // the lens (judge_lens()); empty: shadows are those of the model, with hard edges
   std::vector<fixtures::StageBox> boxes;
   JudgeSun sun;
   std::vector<JudgePane> panes;
@@ -142,14 +144,23 @@ struct Ray {
 };
 
 // In-scattered light of one beam along a ray from t_min_m to t_max_m (may be infinite), over sigma_s J0, in 1/m.
-// Extinction counts from the lens to the air and back to t = 0. Input that is not finite gives 0.
+// Extinction counts from the lens to the air and back to t = 0. Input that is not finite gives 0. lens: as in
+// JudgeScene.
 [[nodiscard]] double judge_inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m,
                                      double t_max_m, const GoboTransmission& gobo, double tolerance,
-                                     std::span<const JudgeSolid> solids = {});
+                                     std::span<const JudgeSolid> solids = {}, std::span<const glm::dvec2> lens = {});
 
 // Whether a solid hides the light of a beam at a point of the beam: the path from the lens to there enters the solid
 // more than a micrometre before its end.
 [[nodiscard]] bool judge_hides(const JudgeBeam& beam, const JudgeSolid& solid, const glm::dvec3& point_m);
+// The same of light that goes straight from a place on the lens.
+[[nodiscard]] bool judge_hides_from(const glm::dvec3& lens_m, const JudgeSolid& solid, const glm::dvec3& point_m);
+
+// `count` places in the unit disc, which have equal areas around them (a sunflower's).
+[[nodiscard]] std::vector<glm::dvec2> judge_lens(int count);
+// Share of the places of a lens from which light reaches a point; without places: along the model's path, 0 or 1.
+[[nodiscard]] double judge_lit(const JudgeBeam& beam, std::span<const glm::dvec2> lens,
+                               std::span<const JudgeSolid> solids, const glm::dvec3& point_m);
 
 // Illuminance over J0 of one beam on a surface with unit normal at a point, in 1/m^2, with extinction.
 [[nodiscard]] double judge_illuminance(const JudgeBeam& beam, const fixtures::Haze& haze, const glm::dvec3& point_m,

@@ -91,6 +91,99 @@ layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance
 #define FL_EACH_ROW [[unroll]]
 #endif
 
+// Light of a part of a chord, over J0 and sigma_s.
+vec3 part_light(BeamShape beam, BeamRow row, Medium medium, Chord chord, vec3 ray, uint nodes, bool gobo) {
+#ifdef FL_GOBO_BEAMS
+  if (gobo) {
+    if (kMethod == uint(FL_METHOD_MARCH)) {
+      gobo_sample = 0u;
+      const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
+      return chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is);
+    }
+    return gobo_inscatter(beam, medium, chord, ray, kExtinction);
+  }
+#endif
+  if (kMethod == uint(FL_METHOD_MARCH)) {
+    return vec3(chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction));
+  }
+  if (kMeasured && row.measured != 0u) {
+    return vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
+  }
+  if (kWide && beam.spread > kWideSpread) {
+    return vec3(chord_inscatter_wide(beam, medium, chord, ray, kNodes > 3u ? 2u : 1u, kExtinction));
+  }
+  return vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
+}
+
+// Of the lit parts of a chord, or of its dark ones where those are subtracted.
+vec3 parts_light(ShadowParts parts, BeamShape beam, BeamRow row, Medium medium, Chord whole, vec3 ray, uint nodes,
+                 bool gobo, uint found, bool subtracts) {
+  Chord chord = whole;
+  vec3 value = vec3(0.0);
+  // The parts, one after the other. Without shadows there is one.
+  float at = 0.0;
+  bool more = true;
+  while (more) {
+    float from = 0.0;
+    float to = 1.0;
+    more = false;
+    if (kShadows) {
+      float dark_from;
+      float dark_to;
+      more = shadow_parts_next(parts, at, dark_from, dark_to);
+      if (subtracts && !more) break;
+      from = subtracts ? dark_from : at;
+      to = subtracts ? dark_to : min(dark_from, 1.0);
+      at = dark_to;
+      if (found != 0u) chord = chord_part(whole, from, to);
+    }
+    vec3 part = part_light(beam, row, medium, chord, ray, nodes, gobo);
+    value += to > from ? part : vec3(0.0);
+  }
+  return value;
+}
+
+// Of a chord: the mean over the points of the lens from which shadows are cast. Where light is computed at nodes alone,
+// they only change the weights of the whole chord's nodes; else each point has its own parts.
+const uint kTurns = kLensPoints > 1u ? kLensPoints + 1u : 1u;
+vec3 chord_light(uint index, uint base, uint begin, BeamShape beam, BeamRow row, Medium medium, Chord chord, vec3 ray,
+                 uint nodes, bool gobo, uint found, bool subtracts) {
+  WalkShadows shadows_of;
+  ShadowChord ends;
+  if (found != 0u) {
+    shadows_of = walk_shadows_of(base, index - base, begin);
+    ends = shadow_chord(row, beam, chord, ray);
+  }
+  bool weighs = kLensPoints > 1u && found != 0u && !gobo && kMethod == uint(FL_METHOD_GAUSS) &&
+                !(kMeasured && row.measured != 0u) && !(kWide && beam.spread > kWideSpread);
+  ShadowWeights weights;
+  if (kLensPoints > 1u) shadow_weights_clear(weights);
+  vec3 value = vec3(0.0);
+  uint at = 0u;
+  float rest = 1.0;  // share of the points without shadows: of those that are not met
+  for (uint turn = 0u; turn < kTurns; ++turn) {
+    ShadowParts parts;
+    shadow_parts_clear(parts);
+    float share = rest;
+    if (found != 0u && (kLensPoints == 1u || at < shadows_of.count)) {
+      uint point;
+      parts = chord_shadows(index, shadows_of, ends, at, point);
+      share = point_share(point);
+    }
+    if (weighs) shadow_parts_weigh(parts, share, weights);
+    else if (kLensPoints == 1u || share > 0.0) {
+      vec3 here = parts_light(parts, beam, row, medium, chord, ray, nodes, gobo, found, subtracts);
+      value += kLensPoints == 1u ? here : share * here;
+    }
+    rest -= share;
+  }
+  if (weighs) {
+    if (!subtracts) shadow_weights_invert(weights);
+    value = vec3(chord_inscatter_shaded(beam, medium, chord, ray, soft_nodes(nodes), weights, kExtinction));
+  }
+  return value;
+}
+
 // Adds the light of one beam to the thread's pixels. base: of the walk; begin: of its beams that are tested together.
 void add_beam(uint index, uint base, uint begin, Medium medium, vec3 d[FL_ROWS], float t_max_m[FL_ROWS],
               inout vec3 total[FL_ROWS]) {
@@ -101,7 +194,6 @@ void add_beam(uint index, uint base, uint begin, Medium medium, vec3 d[FL_ROWS],
   // The light of the beam's lit parts; of a beam that was added as a whole that of its dark parts, which is subtracted.
   uint found = kShadows ? subgroupBroadcastFirst(walk_found[index - base]) : 0u;
   bool subtracts = found != 0u && !is_left(index);
-  bool measured = kMeasured && row.measured != 0u;
   // A rectangle's profile is the product of two.
   if (kRectangle && row.squeeze > 0.0) nodes = min(kNodes + 5u, 8u);
 #ifdef FL_GOBO_BEAMS
@@ -134,53 +226,7 @@ void add_beam(uint index, uint base, uint begin, Medium medium, vec3 d[FL_ROWS],
       chord_close(chord);
     }
     if (seen) {
-      ShadowParts parts;
-      shadow_parts_clear(parts);
-      if (found != 0u) {
-        parts = chord_shadows(index, walk_shadows_of(base, index - base, begin), shadow_chord(row, beam, chord, ray));
-      }
-      Chord whole = chord;
-      vec3 value = vec3(0.0);
-      // The parts, one after the other. Without shadows there is one.
-      float at = 0.0;
-      bool more = true;
-      while (more) {
-        float from = 0.0;
-        float to = 1.0;
-        more = false;
-        if (kShadows) {
-          float dark_from;
-          float dark_to;
-          more = shadow_parts_next(parts, at, dark_from, dark_to);
-          if (subtracts && !more) break;
-          from = subtracts ? dark_from : at;
-          to = subtracts ? dark_to : min(dark_from, 1.0);
-          at = dark_to;
-          if (found != 0u) chord = chord_part(whole, from, to);
-        }
-        vec3 part = vec3(0.0);
-#ifdef FL_GOBO_BEAMS
-        if (gobo) {
-          if (kMethod == uint(FL_METHOD_MARCH)) {
-            gobo_sample = 0u;
-            const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
-            part = chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is);
-          } else {
-            part = gobo_inscatter(beam, medium, chord, ray, kExtinction);
-          }
-        } else
-#endif
-        if (kMethod == uint(FL_METHOD_MARCH)) {
-          part = vec3(chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction));
-        } else if (measured) {
-          part = vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
-        } else if (kWide && beam.spread > kWideSpread) {
-          part = vec3(chord_inscatter_wide(beam, medium, chord, ray, kNodes > 3u ? 2u : 1u, kExtinction));
-        } else {
-          part = vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
-        }
-        value += to > from ? part : vec3(0.0);
-      }
+      vec3 value = chord_light(index, base, begin, beam, row, medium, chord, ray, nodes, gobo, found, subtracts);
       if (subtracts) value = -value;
       if (!kShowsClasses) total[i] += row.j0.rgb * (gain * value);
       else if (!subtracts) total[i] += kClassPixel;

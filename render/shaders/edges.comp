@@ -40,7 +40,7 @@ void load_shown(ivec2 low) {
     Surface surface = surface_at(pixel, normalize(ray_through(vec2(pixel) + 0.5)));
     shown_id[i] = surface.kind == kNothing  ? 0u
                   : surface.kind == kBox    ? box_face_id(surface.which, surface.normal)
-                  : surface.kind == kObject ? surface.which | FL_OBJECT
+                  : surface.kind == kObject ? object_identity(surface.which | FL_OBJECT)
                                             : surface.which + 1u;
     shown_normal[i] = pack_normal(surface.normal);
     shown_m[i] = surface.t_m;

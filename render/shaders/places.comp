@@ -12,6 +12,9 @@ layout(set = 0, binding = FL_BINDING_SHADOWS, std430) readonly buffer ShadowsBuf
 
 layout(constant_id = FL_SPEC_MAP_PX) const uint kMapPx = 0u;
 const bool kMaps = kMapPx > 0u;
+// Rows that a pair of a beam and a body has.
+layout(constant_id = FL_SPEC_PENUMBRA) const uint kLensPoints = 1u;
+const uint kPairsMax = uint(FL_BEAM_SHADOWS_MAX) / kLensPoints;  // of one beam
 
 shared uint sums[FL_GROUP_PLACES];
 shared uint lost[FL_GROUP_PLACES];
@@ -23,7 +26,7 @@ void main() {
   uint begin = min(lane * share, live);
   uint end = min(begin + share, live);
   uint sum = 0u;
-  for (uint b = begin; b < end; ++b) sum += min(shadow_lists[b].count, uint(FL_BEAM_SHADOWS_MAX));
+  for (uint b = begin; b < end; ++b) sum += kLensPoints * min(shadow_lists[b].count, kPairsMax);
   sums[lane] = sum;
   barrier();
   uint at = 0u;
@@ -33,11 +36,11 @@ void main() {
   uint kept = 0u;
   for (uint b = begin; b < end; ++b) {
     uint count = shadow_lists[b].count;
-    uint fits = min(min(count, uint(FL_BEAM_SHADOWS_MAX)), rows - min(at, rows));
+    uint fits = min(min(count, kPairsMax), (rows - min(at, rows)) / kLensPoints);
     if (kMaps) fits = count;  // maps have no rows
     shadow_lists[b].first = min(at, rows);
-    shadow_lists[b].count = fits;
-    at += min(count, uint(FL_BEAM_SHADOWS_MAX));
+    shadow_lists[b].count = kLensPoints * fits;
+    at += kLensPoints * min(count, kPairsMax);
     found += count;
     kept += fits;
   }

@@ -22,7 +22,9 @@ layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) readonly buffer Shado
   ShadowListRow shadow_lists[];
 };
 
-// Fewer shadows take less time than this search.
+layout(constant_id = FL_SPEC_PENUMBRA) const uint kLensPoints = 1u;
+
+// Fewer bodies take less time than this search.
 #define FL_PRUNE_MIN 24u
 
 shared uint hidden[FL_BEAM_SHADOWS_MAX / 32];
@@ -48,14 +50,16 @@ void main() {
   uint beam_index = gl_WorkGroupID.y * uint(FL_SHADOWS_X) + gl_WorkGroupID.x;
   if (beam_index >= counts.live_count) return;
   ShadowListRow list = shadow_lists[beam_index];
-  if (list.count < FL_PRUNE_MIN) return;
+  uint bodies = list.count / kLensPoints;
+  if (bodies < FL_PRUNE_MIN) return;
   BeamRow row = beams[beam_index];
   for (uint w = lane; w < uint(FL_BEAM_SHADOWS_MAX / 32); w += uint(FL_GROUP_SHADOWS)) hidden[w] = 0u;
   barrier();
   for (uint own = lane; own < list.count; own += uint(FL_GROUP_SHADOWS)) {
     ShadowSolid solid = solid_of(occluders[shadows[list.first + own].occluder], row);
     bool is_hidden = false;
-    for (uint other = 0u; other < list.count && !is_hidden; ++other) {
+    uint begin = own / bodies * bodies;  // of the shadows from the same point of the lens
+    for (uint other = begin; other < begin + bodies && !is_hidden; ++other) {
       if (other == own || !is_behind(solid, list.first + other, 0.0)) continue;
       // Of two that hide each other the first one stays, also where rounding has a say.
       is_hidden = other < own;

@@ -96,28 +96,29 @@ vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m)
     chord_close(chord);
     if (!seen) return vec3(0.0);
   }
-  ShadowParts parts;
-  shadow_parts_clear(parts);
-  if (kShadows) {
-    ShadowChord ends = shadow_chord(row, beam, chord, ray);
-    uint first = shadow_lists[index].first;
-    if (kMaps) parts = map_parts(index, ends);
-    for (uint n = first; !kMaps && n < first + shadow_lists[index].count; ++n) {
-      shadow_parts_join(parts, shadow_whole(n), ends);
-    }
-  }
   Chord whole = chord;
   vec3 value = vec3(0.0);
-  float from = 0.0;
-  bool more = true;
-  while (more) {
-    float to = 1.0;
-    float next = 1.0;
-    more = shadow_parts_next(parts, from, to, next);
-    to = min(to, 1.0);
-    if (kShadows) chord = chord_part(whole, from, to);
-    if (to > from) value += light_of_chord(beam, row, medium, chord, ray, gobo);
-    from = next;
+  uint bodies = kShadows && !kMaps ? shadow_lists[index].count / kLensPoints : 0u;
+  for (uint point = 0u; point < kLensPoints; ++point) {
+    ShadowParts parts;
+    shadow_parts_clear(parts);
+    if (kShadows) {
+      ShadowChord ends = shadow_chord(row, beam, whole, ray);
+      uint first = shadow_lists[index].first + point * bodies;
+      if (kMaps) parts = map_parts(index, ends);
+      for (uint n = first; n < first + bodies; ++n) shadow_parts_join(parts, shadow_whole(n), ends);
+    }
+    float from = 0.0;
+    bool more = true;
+    while (more) {
+      float to = 1.0;
+      float next = 1.0;
+      more = shadow_parts_next(parts, from, to, next);
+      to = min(to, 1.0);
+      if (kShadows) chord = chord_part(whole, from, to);
+      if (to > from) value += point_share(1u << point) * light_of_chord(beam, row, medium, chord, ray, gobo);
+      from = next;
+    }
   }
   return row.j0.rgb * (gain * value);
 }

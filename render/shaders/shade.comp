@@ -72,11 +72,12 @@ uint team_ballot(bool is_one) {
 }
 
 // Fills the team's entries. Returns their number, of which those past kTeamRoom are not kept. is_dark: the tile is all
-// in one of them, which then is the only one. All lanes of a subgroup call it together.
+// in one of them, which then is the only one; of a lens of several points: in one from each, and all are there. All
+// lanes of a subgroup call it together.
 uint list_team_entries(uint beam, ShadowPicks picks, ShadowCell cell, out bool is_dark) {
   if (kMaps) {
     uint entry = picks.count > 0u ? map_in_cell(beam, cell) : FL_NONE;
-    is_dark = entry != FL_NONE && entry_planes(entry) == 0u;
+    is_dark = entry_darkens(entry) != 0u;
     return entry != FL_NONE ? 1u : 0u;
   }
   uint count = 0u;
@@ -90,10 +91,14 @@ uint list_team_entries(uint beam, ShadowPicks picks, ShadowCell cell, out bool i
     uint at = count + bitCount(ones & ((1u << team_lane()) - 1u));
     if (entry != FL_NONE && at < kTeamRoom) team_entries[team_number() * kTeamRoom + at] = entry;
     count += bitCount(ones);
-    dark |= team_ballot(entry != FL_NONE && entry_planes(entry) == 0u);
+    uint points = entry_darkens(entry);
+    [[unroll]] for (uint point = 0u; point < kLensPoints; ++point) {
+      dark |= team_ballot((points >> point & 1u) != 0u) != 0u ? 1u << point : 0u;
+    }
   }
-  is_dark = dark != 0u;
+  is_dark = dark == kAllPoints;
   subgroupBarrier();
+  if (kLensPoints > 1u) return count;
   if (is_dark && team_lane() == 0u) team_entries[team_number() * kTeamRoom] = shadow_entry(0u, 0u);
   subgroupBarrier();
   return is_dark ? 1u : count;
@@ -138,6 +143,26 @@ void store_team_entries(bool stores, uint e, uint count, ShadowPicks picks, Shad
   if (is_long && team_lane() == 0u) shadow_picks[place] = min(kept, count);
 }
 
+// What shadows from several points of the lens take from a chord, at nodes of the whole chord. first, count: of team
+// entries.
+float soft_dark_light(BeamShape beam, Medium medium, Chord chord, vec3 ray, uint nodes, ShadowChord ends, uint first,
+                      uint count) {
+  ShadowWeights weights;
+  shadow_weights_clear(weights);
+  for (uint k = first; k < first + count;) {
+    uint point = entry_point(team_entries[k]);
+    ShadowParts parts;
+    shadow_parts_clear(parts);
+    for (; k < first + count; ++k) {
+      if (entry_point(team_entries[k]) != point) break;
+      shadow_parts_join(parts, team_entries[k], ends);
+    }
+    shadow_parts_weigh(parts, point_share(point), weights);
+  }
+  if (count == 0u) return 0.0;
+  return chord_inscatter_shaded(beam, medium, chord, ray, soft_nodes(nodes), weights, kExtinction);
+}
+
 // The dark part of a beam's light on the ray through a place, over J0 and sigma_s; its shadows are `count` team entries
 // from `first` on. known:
 // false where the place's ray may end at another surface than those of the pixels round it.
@@ -154,9 +179,10 @@ float dark_light(uint id, BeamRow row, BeamShape beam, uint first, uint count, R
   Chord chord;
   if (!beam_chord(beam, row.eye.xyz, ray, 0.0, end_m, chord)) return 0.0;
   known = known && (!kSolids || depth.is_plane || chord.t_base_m + chord.t_to_m <= depth.near_m);
+  ShadowChord ends = shadow_chord(row, beam, chord, ray);
+  if (kLensPoints > 1u) return soft_dark_light(beam, medium, chord, ray, nodes, ends, first, count);
   ShadowParts parts;
   shadow_parts_clear(parts);
-  ShadowChord ends = shadow_chord(row, beam, chord, ray);
   if (kMaps && count > 0u) parts = map_parts(id, ends);
   for (uint k = first; !kMaps && k < first + count; ++k) shadow_parts_join(parts, team_entries[k], ends);
   float value = 0.0;

@@ -50,9 +50,8 @@ uint take_words(uint count) {
 const uint kShadowNone = 0u;  // the beam has none in the cell
 const uint kShadowSome = 1u;
 const uint kShadowAll = 2u;   // all of the cell is in one
-uint found_in(uint entry) {
-  return entry == FL_NONE ? kShadowNone : entry_planes(entry) == 0u ? kShadowAll : kShadowSome;
-}
+// any: a shadow reaches the cell; dark: bits of the lens points from which one holds all of it.
+uint found_of(bool any, uint dark) { return dark == kAllPoints ? kShadowAll : any ? kShadowSome : kShadowNone; }
 
 // Planes of a thread's first shadows, 16 bits each. A mask that is not kept counts as all planes.
 const uint kKept = 8u;
@@ -70,14 +69,15 @@ const uint kFewShadows = kKept;
 uint list_few_shadows(ShadowListRow list, ShadowCell cell, out uint place) {
   uint bits = 0u;
   uvec4 kept = uvec4(0u);
-  uint most = kShadowNone;
+  uint dark = 0u;
   place = FL_NONE;
   for (uint own = 0u; own < list.count; ++own) {
     uint entry = shadow_in_cell(shadow_whole(list.first + own), cell);
     if (entry != FL_NONE) bits |= 1u << own;
     keep_planes(kept, own, entry);
-    most = max(most, found_in(entry));
+    dark |= entry_darkens(entry);
   }
+  uint most = found_of(bits != 0u, dark);
   if (most != kShadowSome) return most;
   place = take_words(bitCount(bits) + 1u);
   if (place == FL_NONE) return most;
@@ -95,7 +95,7 @@ uint list_shadows(ShadowListRow list, ShadowCell cell, out uint place) {
   uint lane = gl_SubgroupInvocationID;
   uint bits = 0u;  // of this thread's shadows, one a round
   uvec4 kept = uvec4(0u);
-  uint most = kShadowNone;
+  uint dark = 0u;
   place = FL_NONE;
   uint rounds = (list.count + gl_SubgroupSize - 1u) / gl_SubgroupSize;
   for (uint round_of = 0u; round_of < rounds; ++round_of) {
@@ -103,9 +103,9 @@ uint list_shadows(ShadowListRow list, ShadowCell cell, out uint place) {
     uint entry = own < list.count ? shadow_in_cell(shadow_whole(list.first + own), cell) : FL_NONE;
     if (entry != FL_NONE) bits |= 1u << round_of;
     keep_planes(kept, round_of, entry);
-    most = max(most, found_in(entry));
+    dark |= entry_darkens(entry);
   }
-  most = subgroupMax(most);
+  uint most = found_of(subgroupOr(bits) != 0u, subgroupOr(dark));
   if (most != kShadowSome) return most;
   uint total = subgroupAdd(bitCount(bits));
   if (subgroupElect()) place = take_words(total + 1u);
@@ -154,7 +154,13 @@ void main() {
       if (list.count == 0u || (!kMaps && list.count > kFewShadows)) continue;
       uint place = FL_NONE;
       ShadowCell cell = shadow_cell_before(beams[list_ids[e]], low, high, depth);
-      uint found = kMaps ? found_in(map_in_cell(list_ids[e], cell)) : list_few_shadows(list, cell, place);
+      uint found;
+      if (kMaps) {
+        uint entry = map_in_cell(list_ids[e], cell);
+        found = found_of(entry != FL_NONE, entry_darkens(entry));
+      } else {
+        found = list_few_shadows(list, cell, place);
+      }
       store_found(e, first, found, place);
     }
     barrier();  // the threads of a subgroup are together again

@@ -33,8 +33,9 @@
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
 #include "render/shaders/lib/surface_class.glsl"
-#define FL_SHADED(beam, index, p, aside, fixture) is_shaded(index, (beam).number, p, aside, fixture)
-bool is_shaded(uint index, uint number, vec3 p, vec3 aside, uint fixture);
+#define FL_LIT_SHARE(beam, index, p, aside, fixture, lens_m) \
+  shaded_share(index, (beam).number, p, aside, fixture, lens_m)
+float shaded_share(uint index, uint number, vec3 p, vec3 aside, uint fixture, float lens_radius_m);
 #define FL_MAP_LIT(beam, index, row, p) lit_share(index, (beam).number, row, p)
 float lit_share(uint index, uint number, BeamRow row, vec3 p);
 #include "render/shaders/lib/surface_light.glsl"
@@ -88,16 +89,24 @@ void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facin
   }
 }
 
-// Whether a place is in one of the shadows of a beam of the batch.
-bool is_shaded(uint index, uint number, vec3 p, vec3 aside, uint fixture) {
+// lit_share_of() of a beam of the batch.
+float shaded_share(uint index, uint number, vec3 p, vec3 aside, uint fixture, float lens_radius_m) {
   uint count = shaded_count[number];
-  if (count == 0u) return false;
+  if (count == 0u) return 1.0;
   uint first = shaded_first[number];
-  if (first == FL_NONE) return is_shadowed(index, p, aside, fixture);
+  if (first == FL_NONE) return lit_share_of(index, p, aside, fixture, lens_radius_m);
   float rounding_m = shadow_rounding(p);
+  if (kLensPoints > 1u) {
+    LensShare lens = lens_share_begin();
+    for (uint k = first; k < first + count; ++k) {
+      lens_share_add(lens, shaded[k], shadow_share(shaded[k], p, aside, fixture, rounding_m, lens_radius_m));
+    }
+    lens_share_close(lens);
+    return max(lens.lit, 0.0);
+  }
   bool dark = false;
   for (uint k = 0u; k < count && !dark; ++k) dark = is_in_shadow(shaded[first + k], p, aside, fixture, rounding_m);
-  return dark;
+  return dark ? 0.0 : 1.0;
 }
 
 // Share of a beam's light that its shadow map lets through.
@@ -159,7 +168,9 @@ bool reaches_tile(uint shadow, BeamRow row, vec4 plane) {
       radius_m += FL_THIN_ON_SURFACE * beam_thin(row) * beam_stretch(row.squeeze) *
                   sqrt(1.0 + row.y_axis.w * row.y_axis.w) * (length(from_eye) + spheres[i].w);
     }
-    if (spheres[i].w >= 0.0) reaches = shadow_near(shadow, center, radius_m, normal);
+    if (spheres[i].w >= 0.0) {
+      reaches = shadow_near(shadow, center, radius_m, normal, kLensPoints > 1u ? shadow_lens_m(row) : 0.0);
+    }
   }
   return reaches;
 }

@@ -1,7 +1,9 @@
-// 3DS and glTF; valid meshes are scaled, mirrored and simplified.
+// 3DS and glTF with images; valid meshes are scaled, mirrored and simplified.
+#include <algorithm>
 #include <cmath>
 
 #include "fixtures/bodies/mesh.h"
+#include "fixtures/gobos/png.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/support/model_bytes.h"
 
@@ -12,6 +14,11 @@ void footlight::testing::add_seeds(Seeds& seeds) {
   seeds.add("box.3ds", box_3ds(100, 200, 300));
   seeds.add("box.glb", box_glb(1, 2, 3));
   seeds.add("mirrored.glb", box_glb(1, 2, 3, R"("scale":[-1,1,1])"));
+  TexturedQuad quad;
+  const auto png = fixtures::png_of(2, 1, 3, std::vector<std::uint8_t>{0, 1, 2, 100, 200, 255});
+  quad.image.assign(reinterpret_cast<const char*>(png.data()), png.size());
+  quad.texture_words = R"(,"extensions":{"KHR_texture_transform":{"offset":[0,1],"rotation":1,"scale":[2,2]}})";
+  seeds.add("print.glb", quad_glb(quad));
   seeds.add("strip.gltf",
             R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
             R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
@@ -21,7 +28,8 @@ void footlight::testing::add_seeds(Seeds& seeds) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fixtures::Diagnostics diagnostics;
-  const auto mesh = fixtures::read_mesh(std::as_bytes(std::span<const std::uint8_t>(data, size)), "fuzz", diagnostics);
+  const auto mesh = fixtures::read_mesh(std::as_bytes(std::span<const std::uint8_t>(data, size)), "fuzz", diagnostics,
+                                        nullptr, fixtures::MeshImages::kBaseColor);
   if (!mesh) {
     require(mesh.error().message.starts_with("fuzz"));
     return 0;
@@ -31,6 +39,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const fixtures::MeshVertex& vertex : mesh->vertices) {
     require(vertex.material < mesh->materials.size());
     require(std::abs(glm::length(vertex.normal) - 1) < 1e-3F);
+    require(glm::length(vertex.uv) < 2e5F);
+  }
+  for (const fixtures::MeshMaterial& material : mesh->materials) {
+    if (!material.texture) continue;
+    const fixtures::RgbImage& image = material.texture->image;
+    require(image.width > 0 && image.height > 0 && std::max(image.width, image.height) <= fixtures::kTexturePxMax);
+    require(image.rgb.size() == 3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   }
   const fixtures::Mesh scaled = scaled_to(*mesh, {1, 2, 0});
   require(scaled.indices.size() == mesh->indices.size());

@@ -90,6 +90,32 @@ std::string box_glb(float x, float y, float z, std::string_view node) {
   return file_glb(json, binary);
 }
 
+std::string quad_glb(const TexturedQuad& quad) {
+  const float x = quad.width_m / 2;
+  std::string binary;
+  for (const float value : {-x, 0.0F, 0.0F, x, 0.0F, 0.0F, x, quad.height_m, 0.0F, -x, quad.height_m, 0.0F}) {
+    binary += f32_text(value);
+  }
+  for (const float value : quad.uvs) binary += f32_text(value);
+  for (const int corner : {0, 1, 2, 0, 2, 3}) binary += u16_text(static_cast<std::uint16_t>(corner));
+  binary += quad.image;
+  const std::string json = fmt::format(
+      R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],)"
+      R"("materials":[{{"name":"print","pbrMetallicRoughness":{{"baseColorFactor":[1,0.5,1,1],)"
+      R"("baseColorTexture":{{"index":0{}}}}}}}],"textures":[{{"source":0,"sampler":0}}],"samplers":[{}],)"
+      R"("images":[{{"name":"print.png",{}}}],)"
+      R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"indices":2,"material":0}}]}}],)"
+      R"("buffers":[{{"byteLength":{}}}],"bufferViews":[{{"buffer":0,"byteOffset":0,"byteLength":48}},)"
+      R"({{"buffer":0,"byteOffset":48,"byteLength":32}},{{"buffer":0,"byteOffset":80,"byteLength":12}},)"
+      R"({{"buffer":0,"byteOffset":92,"byteLength":{}}}],)"
+      R"("accessors":[{{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[{},0,0],"max":[{},{},0]}},)"
+      R"({{"bufferView":1,"componentType":5126,"count":4,"type":"VEC2"}},)"
+      R"({{"bufferView":2,"componentType":5123,"count":6,"type":"SCALAR"}}]}})",
+      quad.texture_words, quad.sampler, quad.image_words, std::max<std::size_t>(binary.size(), 93),
+      std::max<std::size_t>(quad.image.size(), 1), -x, x, quad.height_m);
+  return file_glb(json, quad.image.empty() ? binary + '\0' : binary);
+}
+
 Bytes bytes_of(std::string_view text) {
   Bytes bytes(text.size());
   std::transform(text.begin(), text.end(), bytes.begin(), [](char c) { return static_cast<std::byte>(c); });

@@ -29,6 +29,18 @@ using fixtures::Bytes;
 // Of a box of this size, from the origin, y up; `node` is added to its node: "\"scale\":[-1,1,1]".
 [[nodiscard]] std::string box_glb(float x, float y, float z, std::string_view node = "");
 
+// A .glb of an upright rectangle that faces -y, its lower edge at z = 0, with a textured material.
+struct TexturedQuad {
+  float width_m = 1;
+  float height_m = 1;
+  std::vector<float> uvs{0, 1, 1, 1, 1, 0, 0, 0};     // from the lower left corner, counter-clockwise
+  std::string image;                                  // bytes of a PNG or JPEG file
+  std::string image_words = R"("mimeType":"image/png","bufferView":3)";  // of the image's row
+  std::string sampler = "{}";
+  std::string texture_words;  // added to the material's texture, with a comma before it
+};
+[[nodiscard]] std::string quad_glb(const TexturedQuad& quad);
+
 [[nodiscard]] Bytes bytes_of(std::string_view text);
 
 // Files in memory, not in a file system.

@@ -4,11 +4,16 @@ layout(constant_id = FL_SPEC_SHADOWS) const bool kShadows = false;
 // Whether shadow maps stand for the shadows (shadow_map.glsl): then there are no rows of them, and no lists.
 layout(constant_id = FL_SPEC_MAP_PX) const uint kMapPx = 0u;
 const bool kMaps = kMapPx > 0u;
+// Points of the lens from which shadows are cast (shadow.h).
+layout(constant_id = FL_SPEC_PENUMBRA) const uint kLensPoints = 1u;
+const uint kAllPoints = (1u << kLensPoints) - 1u;
 layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) readonly buffer ShadowListsBuffer {
   ShadowListRow shadow_lists[];
 };
 layout(set = 0, binding = FL_BINDING_SHADOWS, std430) readonly buffer ShadowsBuffer { ShadowRow shadows[]; };
 #include "render/shaders/lib/shadow_row.glsl"
+
+uint shadow_point(uint shadow) { return kLensPoints > 1u ? shadows[shadow].count >> FL_SHADOW_POINT_SHIFT : 0u; }
 
 // Planes are read four at a time, since Mesa ends the loops of a thread after 65,535 rounds. Everything is inside those
 // that fill up the last round.
@@ -25,6 +30,11 @@ uint entry_planes(uint entry) { return entry & kAllPlanes; }
 uint shadow_whole(uint shadow) { return shadow_entry(shadow, (1u << shadow_planes(shadow)) - 1u); }
 // Rounds of a loop over planes; next_plane() gives the last one again where no other is left.
 uint plane_rounds(uint planes) { return (uint(bitCount(planes)) + kShadowRound - 1u) / kShadowRound; }
+// The point of the lens, as a bit.
+uint entry_point(uint entry) { return 1u << shadow_point(entry_shadow(entry)); }
+// That bit if all of the rectangle is in the shadow.
+uint entry_darkens(uint entry) { return entry != FL_NONE && entry_planes(entry) == 0u ? entry_point(entry) : 0u; }
+float point_share(uint point) { return kLensPoints == 7u ? (point == 1u ? 0.25 : 0.125) : 1.0 / float(kLensPoints); }
 uint next_plane(inout uint planes) {
   uint own = uint(findLSB(planes));
   uint rest = planes & (planes - 1u);
@@ -48,6 +58,7 @@ struct ShadowCell {
   vec2 z_m;        // what is visible of the beam lies between these places of its axis
   vec2 w_m;        // its radii there
   vec2 radius;     // of the beam: at the lens, m, and its growth a metre
+  float lens_m;    // radius of the lens from whose points shadows are cast
   bool is_thin;    // places are brought back into the beam (thin.glsl): the corners do not bound them
 };
 // When the ends of the cell are known.
@@ -86,6 +97,7 @@ ShadowCell shadow_cell(BeamRow row, vec2 low, vec2 high, float far_m) {
   cell.near_m = 0.0;
   cell.far_m = far_m;
   cell.radius = vec2(row.x_axis.w, row.y_axis.w);
+  cell.lens_m = kLensPoints > 1u ? shadow_lens_m(row) : 0.0;
   BeamShape beam = beam_bound(row, 1.0);
   float way[4];
   // In front of the lens, and within the range.
@@ -118,6 +130,12 @@ void shadow_cell_end(inout ShadowCell cell, vec4 plane_m) {
   [[unroll]] for (int c = 0; c < 4; ++c) cell.end_m[c] = most < 1e7 ? plane_m[c] : cell.far_m;
 }
 
+// How far from a plane of the outline, along the lens, half shadows reach up to a place of the axis.
+float shadow_soft_m(uint shadow, float z_m, float lens_m) {
+  float begin_m = max(shadows[shadow].planes[FL_SHADOW_PLANES - 1].w - 1.0, 1e-3);  // shadows.comp
+  return lens_part_radius(kLensPoints) * lens_m * max(z_m / begin_m - 1.0, 0.0);
+}
+
 // The entry of a shadow in a cell, from that in a larger one. FL_NONE: it does not reach the cell. Without planes: all
 // of the cell is in it.
 uint shadow_in_cell(uint entry, ShadowCell cell) {
@@ -128,6 +146,7 @@ uint shadow_in_cell(uint entry, ShadowCell cell) {
   uint crossing = 0u;
   uint outline = shadow_outline(shadow);
   float slack_m = max(shadows[shadow].slack_m, kShadowAirSlackM);
+  float soft_m = kLensPoints > 1u ? shadow_soft_m(shadow, cell.z_m.y, cell.lens_m) : 0.0;
   for (uint round_of = 0u; round_of < rounds && !outside; ++round_of) {
     [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
       uint own = next_plane(planes);
@@ -144,7 +163,8 @@ uint shadow_in_cell(uint entry, ShadowCell cell) {
         least = min(least, min(vec2(near, before), vec2(far, at + way * cell.end_m[c])));
         most = max(most, max(near, far));
       }
-      float slack = own < outline ? 0.0 : -slack_m;
+      float soft = kLensPoints > 1u && own < outline ? soft_m * length(plane.xy) : 0.0;
+      float slack = own < outline ? soft : -slack_m;
       outside = outside || (!cell.is_thin && max(least.x, least.y) > slack);
       // The same for the beam between two places of its axis.
       vec2 on_axis = plane.z * cell.z_m - plane.w;
@@ -152,7 +172,7 @@ uint shadow_in_cell(uint entry, ShadowCell cell) {
       vec2 nearest = on_axis - reach;
       vec2 farthest = on_axis + reach;
       outside = outside || min(nearest.x, nearest.y) > slack;
-      bool inside = (!cell.is_thin && most <= 0.0) || max(farthest.x, farthest.y) <= 0.0;
+      bool inside = (!cell.is_thin && most <= -soft) || max(farthest.x, farthest.y) <= -soft;
       if (!inside) crossing |= 1u << own;
     }
   }
@@ -164,16 +184,19 @@ float shadow_rounding(vec3 p) { return 1e-6 * length(p) + 1e-7 * length(params.p
 
 // Whether a shadow can reach a sphere, or the part of a plane that is in it; light space, m. normal: of the plane,
 // unit; 0: all of the sphere. Of a rectangular beam the radius is stretched.
-bool shadow_near(uint shadow, vec3 center, float radius_m, vec3 normal) {
+bool shadow_near(uint shadow, vec3 center, float radius_m, vec3 normal, float lens_radius_m) {
   uint rounds = shadow_rounds(shadow);
   uint outline = shadow_outline(shadow);
   float slack_m = max(shadows[shadow].slack_m, kShadowSlackM) + shadow_rounding(center);
   bool may = true;
+  // Half shadows are outside the planes.
+  float soft_m = kLensPoints > 1u ? shadow_soft_m(shadow, center.z + radius_m, lens_radius_m) : 0.0;
   for (uint round_of = 0u; round_of < rounds && may; ++round_of) {
     [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
       uint own = kShadowRound * round_of + k;
       vec4 plane = shadows[shadow].planes[own];
       float reach_m = radius_m * length(plane.xyz - normal * dot(plane.xyz, normal));
+      if (kLensPoints > 1u && own < outline) reach_m += soft_m * length(plane.xy);
       may = may && dot(plane.xyz, center) - plane.w <= reach_m - (own < outline ? 0.0 : slack_m);
     }
   }
@@ -203,19 +226,79 @@ bool is_in_shadow(uint shadow, vec3 p, vec3 aside, uint fixture, float rounding_
   for (uint next = 1u; next < rounds && dark; ++next) dark = shadow_holds(shadow, next, outline, p, aside, slack_m);
   return dark;
 }
-bool is_shadowed(uint beam, vec3 p, vec3 aside, uint fixture) {
+
+// The same with several points of the lens: the share of the part of the lens around the shadow's point that it hides.
+float shadow_share(uint shadow, vec3 p, vec3 aside, uint fixture, float rounding_m, float lens_radius_m) {
+  if (shadows[shadow].fixture == fixture) return 0.0;
+  uint rounds = shadow_rounds(shadow);
+  uint outline = shadow_outline(shadow);
+  float slack_m = max(shadows[shadow].slack_m, kShadowSlackM) + rounding_m;
+  vec3 point = lens_point(kLensPoints, shadow_point(shadow), lens_radius_m);
+  bool behind = true;
+  float at = 0.0;
+  for (uint round_of = outline / kShadowRound; round_of < rounds && behind; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = kShadowRound * round_of + k;
+      vec4 plane = shadows[shadow].planes[own];
+      float here = dot(plane.xyz, p) - plane.w;
+      behind = behind && (own < outline || here <= -slack_m);
+      at = own < outline ? at : max(at, shadow_front_at(dot(plane.xyz, point) - plane.w, here));
+    }
+  }
+  float share = behind ? 1.0 : 0.0;
+  float radius_m = lens_part_radius(kLensPoints) * lens_radius_m;
+  for (uint round_of = 0u; kShadowRound * round_of < outline && share > 0.0; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = kShadowRound * round_of + k;
+      vec4 plane = shadows[shadow].planes[own];
+      float edge = shadow_edge_share(dot(plane.xyz, aside) - plane.w, length(plane.xy), radius_m, at);
+      share = own < outline ? min(share, edge) : share;
+    }
+  }
+  return share;
+}
+// What several shadows hide of a lens. Those from one point follow each other. Where two bodies touch, their shares add
+// up; where one stands behind the other's edge, less is hidden than the sum.
+struct LensShare {
+  float lit;
+  uint point;  // whose shadows are added up
+  float dark;  // of the part around it
+};
+LensShare lens_share_begin() { return LensShare(1.0, 0u, 0.0); }
+void lens_share_close(inout LensShare lens) {
+  lens.lit -= point_share(1u << lens.point) * min(lens.dark, 1.0);
+  lens.dark = 0.0;
+}
+void lens_share_add(inout LensShare lens, uint shadow, float share) {
+  uint point = shadow_point(shadow);
+  if (point != lens.point) lens_share_close(lens);
+  lens.point = point;
+  lens.dark += share;
+}
+
+// The share of the lens that lights a place; of one point 0 or 1.
+float lit_share_of(uint beam, vec3 p, vec3 aside, uint fixture, float lens_radius_m) {
   uint first = shadow_lists[beam].first;
   uint count = shadow_lists[beam].count;
-  bool dark = false;
   float rounding_m = shadow_rounding(p);
+  if (kLensPoints > 1u) {
+    LensShare lens = lens_share_begin();
+    for (uint s = first; s < first + count; ++s) {
+      lens_share_add(lens, s, shadow_share(s, p, aside, fixture, rounding_m, lens_radius_m));
+    }
+    lens_share_close(lens);
+    return max(lens.lit, 0.0);
+  }
+  bool dark = false;
   for (uint s = first; s < first + count && !dark; ++s) dark = is_in_shadow(s, p, aside, fixture, rounding_m);
-  return dark;
+  return dark ? 0.0 : 1.0;
 }
 
 // The part of a chord that is in one shadow. h over w is linear in its measure: from, to are (p, -1) / w at its ends.
 struct ShadowChord {
   vec4 from;
   vec4 to;
+  float lens_m;  // radius of the lens from whose points shadows are cast
 };
 // beam: as it is drawn; where that is wider than it is, its places across are brought back into the beam.
 ShadowChord shadow_chord(BeamRow row, BeamShape beam, Chord chord, vec3 ray) {
@@ -226,6 +309,7 @@ ShadowChord shadow_chord(BeamRow row, BeamShape beam, Chord chord, vec3 ray) {
   ShadowChord ends;
   ends.from = back * vec4(chord.base + ray * chord.t_from_m, -1.0) / chord.w_from;
   ends.to = back * vec4(chord.base + ray * chord.t_to_m, -1.0) / chord.w_to;
+  ends.lens_m = kLensPoints > 1u ? shadow_lens_m(row) : 0.0;
   return ends;
 }
 // entry: in a rectangle that shows the chord.
@@ -244,9 +328,71 @@ bool shadow_part(uint entry, ShadowChord ends, out float x0, out float x1) {
   }
   return dark;
 }
+// The same with several points of the lens, each for the part of the lens around it. y below x: there is none.
+vec2 soft_shadow_part(uint entry, ShadowChord ends) {
+  uint shadow = entry_shadow(entry);
+  uint outline = shadow_outline(shadow);
+  uint count = shadow_planes(shadow);
+  vec3 point = lens_point(kLensPoints, shadow_point(shadow), ends.lens_m);
+  // How far behind the outline the chord's ends are, over how far the outline is; over w.
+  vec2 rise = vec2(FL_FAR_M);
+  for (uint round_of = outline / kShadowRound; kShadowRound * round_of < count; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = kShadowRound * round_of + k;
+      vec4 plane = shadows[shadow].planes[own];
+      float at_point = max(dot(plane.xyz, point) - plane.w, 1e-9);
+      vec2 here = -vec2(dot(plane, ends.from), dot(plane, ends.to)) / at_point;
+      rise = own >= outline && own < count ? min(rise, here) : rise;
+    }
+  }
+  vec2 wide = lens_part_radius(kLensPoints) * ends.lens_m * max(rise, vec2(0.0));
+  vec2 hard = vec2(0.0, 1.0);
+  vec2 outer = hard;
+  vec2 inner = hard;
+  uint planes = entry_planes(entry);
+  uint rounds = plane_rounds(planes);
+  for (uint round_of = 0u; round_of < rounds && outer.y > outer.x; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = next_plane(planes);
+      vec4 plane = shadows[shadow].planes[own];
+      vec2 ramp = own < outline ? length(plane.xy) * wide : vec2(0.0);
+      shadow_cut_soft(dot(plane, ends.from), dot(plane, ends.to), ramp.x, ramp.y, hard, outer, inner);
+    }
+  }
+  if (!(outer.y > outer.x)) return vec2(1.0, 0.0);
+  if (inner.y > inner.x) return hard;
+  vec3 shares = vec3(1.0);
+  vec3 at = outer.x + (outer.y - outer.x) * vec3(0.25, 0.5, 0.75);
+  planes = entry_planes(entry);
+  for (uint round_of = 0u; round_of < rounds; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = next_plane(planes);
+      vec4 plane = shadows[shadow].planes[own];
+      vec3 outside = mix(vec3(dot(plane, ends.from)), vec3(dot(plane, ends.to)), at);
+      vec3 ramp = length(plane.xy) * mix(vec3(wide.x), vec3(wide.y), at);
+      vec3 here = vec3(shadow_ramp(outside.x, ramp.x), shadow_ramp(outside.y, ramp.y),
+                       shadow_ramp(outside.z, ramp.z));
+      shares = own < outline ? min(shares, here) : shares;
+    }
+  }
+  return shadow_soft_part(hard, outer, shares);
+}
 void shadow_parts_join(inout ShadowParts parts, uint entry, ShadowChord ends) {
+  if (kLensPoints > 1u) {
+    vec2 part = soft_shadow_part(entry, ends);
+    if (part.y > part.x) shadow_parts_add(parts, part.x, part.y);
+    return;
+  }
   float x0;
   float x1;
   if (shadow_part(entry, ends, x0, x1)) shadow_parts_add(parts, x0, x1);
+}
+// Nodes of a whole chord that shadows from several points of the lens weigh; nodes: of a lit one.
+uint soft_nodes(uint nodes) { return min(nodes + 2u, 8u); }
+// Adds the dark parts of a chord.
+void shadow_parts_weigh(ShadowParts parts, float share, inout ShadowWeights weights) {
+  float from = 0.0;
+  float to = 0.0;
+  while (shadow_parts_next(parts, to, from, to)) shadow_weights_add(weights, share, from, to);
 }
 #include "render/shaders/lib/shadow_map.glsl"

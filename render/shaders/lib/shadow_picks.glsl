@@ -41,23 +41,25 @@ bool has_shadows(uint supertile, uint beam) {
   return kShadows && is_in_word(shadow_words[supertile * params.mask_words + (beam >> 5)], beam);
 }
 
-// Whether a place in the haze that the supertile shows is in one of the beam's shadows there; light space, m.
+// Whether a place in the haze that the supertile shows is in the beam's shadows there, from all points of its lens;
+// light space, m.
 bool is_in_picked(uint supertile, uint beam, vec3 p) {
   ShadowPicks picks = shadow_picks_of(supertile, beam);
   if (kMaps) return picks.count > 0u && map_hides_place(beam, beams[beam], p);
-  bool dark = false;
-  for (uint k = 0u; k < picks.count && !dark; ++k) {
+  uint points = 0u;
+  for (uint k = 0u; k < picks.count && points != kAllPoints; ++k) {
     uint entry = shadow_picked(picks, k);
     uint planes = entry_planes(entry);
     uint rounds = plane_rounds(planes);
-    dark = true;
+    bool dark = true;
     for (uint round_of = 0u; round_of < rounds && dark; ++round_of) {
       [[unroll]] for (uint n = 0u; n < kShadowRound; ++n) {
         vec4 plane = shadows[entry_shadow(entry)].planes[next_plane(planes)];
         dark = dark && dot(plane.xyz, p) <= plane.w;
       }
     }
+    if (dark) points |= entry_point(entry);
   }
-  return dark;
+  return points == kAllPoints;
 }
 #endif

@@ -70,17 +70,19 @@ uint walk_beam_of(uint pair) {
 }
 
 // Moves the entries from `begin` to `end` that reach the tile to `kept` and the following; returns how many there are
-// then. One that holds all of the tile stands for all.
-uint walk_keep_entries(uint begin, uint end, uint first, uint kept, inout bool dark) {
+// then. One that holds all of the tile stands for all, where the lens has one point. dark: bits of the points from
+// which one does.
+uint walk_keep_entries(uint begin, uint end, uint first, uint kept, inout uint dark) {
   for (uint k = begin; k < end; ++k) {
     uint entry = walk_entries[k];
     if (entry == FL_NONE) continue;
     walk_entries[first + kept] = entry;
     ++kept;
-    dark = dark || entry_planes(entry) == 0u;
+    dark |= entry_darkens(entry);
   }
-  if (dark) walk_entries[first] = shadow_entry(0u, 0u);
-  return dark ? 1u : kept;
+  if (kLensPoints > 1u || dark == 0u) return kept;
+  walk_entries[first] = shadow_entry(0u, 0u);
+  return 1u;
 }
 
 // What is dark in all of the tile adds nothing, and of a beam that was added as a whole nothing is subtracted where it
@@ -102,7 +104,7 @@ uint walk_test_pair(uint beam, uint k, RectDepth depth) {
 void walk_test_many(uint base, uint number, uint lane, RectDepth depth) {
   uint all = walk_pairs[number + 1u] - walk_pairs[number];
   uint kept = 0u;
-  bool dark = false;
+  uint dark = 0u;
   for (uint at = 0u; at < all;) {
     uint count = min(FL_WALK_PAIRS - kept, all - at);
     if (count < min(FL_WALK_PAIRS / 8u, all - at)) break;
@@ -112,15 +114,15 @@ void walk_test_many(uint base, uint number, uint lane, RectDepth depth) {
     if (lane == 0u) {
       kept = walk_keep_entries(kept, kept + count, 0u, kept, dark);
       walk_found[number] = at < all && FL_WALK_PAIRS - kept < min(FL_WALK_PAIRS / 8u, all - at) ? kUntested : kept;
-      if (dark) walk_found[number] = 1u;
+      if (kLensPoints == 1u && dark != 0u) walk_found[number] = 1u;
     }
     barrier();
     if (walk_found[number] == kUntested) break;
-    dark = walk_entries[0] == shadow_entry(0u, 0u) && walk_found[number] == 1u;
-    if (dark) break;
+    if (kLensPoints == 1u && walk_entries[0] == shadow_entry(0u, 0u) && walk_found[number] == 1u) break;
     kept = walk_found[number];
   }
-  if (lane == 0u) walk_store(base, number, walk_found[number], dark);
+  // Only this thread has seen all entries.
+  if (lane == 0u) walk_store(base, number, walk_found[number], dark == kAllPoints);
 }
 
 // Fills walk_now, walk_found and walk_entries for beams from `begin` on. Returns the beam after the last one.
@@ -148,10 +150,10 @@ uint walk_test_shadows(uint base, uint begin, RectDepth depth) {
   barrier();
   for (uint number = begin + lane; number < end; number += kThreads) {
     if ((walk_bits[number >> 5] >> (number & 31u) & 1u) == 0u) continue;
-    bool dark = false;
+    uint dark = 0u;
     uint first = walk_pairs[number] - first_pair;
     uint found = walk_keep_entries(first, walk_pairs[number + 1u] - first_pair, first, 0u, dark);
-    walk_store(base, number, found, dark);
+    walk_store(base, number, found, dark == kAllPoints);
   }
   barrier();
   return end;
@@ -179,10 +181,20 @@ uint walk_shadow(WalkShadows from, uint k) {
   return from.tested ? walk_entries[from.first + k] : shadow_picked(from.picks, k);
 }
 
-ShadowParts chord_shadows(uint beam, WalkShadows from, ShadowChord ends) {
-  if (kMaps) return map_parts(beam, ends);
+// The shadows from one point of the lens, which stand from entry `at` on; then `at` is the first one from the next
+// point. point: its bit.
+ShadowParts chord_shadows(uint beam, WalkShadows from, ShadowChord ends, inout uint at, out uint point) {
+  point = kLensPoints > 1u ? entry_point(walk_shadow(from, at)) : 1u;
+  if (kMaps) {
+    at = from.count;
+    return map_parts(beam, ends);
+  }
   ShadowParts parts;
   shadow_parts_clear(parts);
-  for (uint k = 0u; k < from.count; ++k) shadow_parts_join(parts, walk_shadow(from, k), ends);
+  for (; at < from.count; ++at) {
+    uint entry = walk_shadow(from, at);
+    if (kLensPoints > 1u && entry_point(entry) != point) break;
+    shadow_parts_join(parts, entry, ends);
+  }
   return parts;
 }

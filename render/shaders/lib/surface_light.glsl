@@ -50,11 +50,11 @@ struct SurfaceBeam {
   bool gobo;
   bool plain;  // thin.glsl
   bool thin;
-  uint number;  // for FL_SHADED
+  uint number;  // for FL_LIT_SHARE
 };
-// Whether a place is in a shadow of a beam: an including pass may know which ones reach what it shows.
-#ifndef FL_SHADED
-#define FL_SHADED(beam, index, p, aside, fixture) is_shadowed(index, p, aside, fixture)
+// lit_share_of() a place: an including pass may know which shadows reach what it shows.
+#ifndef FL_LIT_SHARE
+#define FL_LIT_SHARE(beam, index, p, aside, fixture, lens_m) lit_share_of(index, p, aside, fixture, lens_m)
 #define FL_MAP_LIT(beam, index, row, p) map_lit(index, row, p)
 #endif
 SurfaceBeam surface_beam(BeamRow row) {
@@ -78,8 +78,14 @@ vec3 light_on_surface(SurfaceBeam beam, BeamRow row, uint index, Medium medium, 
   if (kShadows) {
     uint fixture = surface.kind == kBody ? heads[surface.which >> 3].fixture : kNoFixture;
     vec3 aside = beam.thin ? vec3(rho * (beam.shape.lens_radius_m + beam.shape.spread * p.z), p.z) : p;
-    if (kMaps) share *= FL_MAP_LIT(beam, index, row, aside);
-    else if (FL_SHADED(beam, index, p, aside, fixture)) return vec3(0.0);
+    if (kMaps) {
+      share *= FL_MAP_LIT(beam, index, row, aside);
+    } else {
+      float lens_m = kLensPoints > 1u ? shadow_lens_m(row) : 0.0;
+      float lit = FL_LIT_SHARE(beam, index, p, aside, fixture, lens_m);
+      if (!(lit > 0.0)) return vec3(0.0);
+      if (kLensPoints > 1u) share *= lit;
+    }
   }
   share *= max(-dot(to_light(row, surface.normal), beam_direction(beam.shape, rho)), 0.0);
   if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);

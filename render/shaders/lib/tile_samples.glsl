@@ -14,6 +14,11 @@ layout(set = 0, binding = FL_BINDING_HEAD_SLOTS, std430) readonly buffer HeadSlo
 
 // The identity of a surface: as in the visibility buffer, and of a box this bit, its number << 3 and its face.
 #define FL_BOX_ID 0x40000000u
+// What is the same all over a surface: of a textured one the two bits alone.
+uint object_identity(uint id) {
+  const uint kTextured = FL_OBJECT | FL_OBJECT_TEXTURED;
+  return (id & kTextured) == kTextured ? kTextured : id;
+}
 const float kHalfTile = 0.5 * float(FL_TILE_PX);
 
 // The pixels whose samples the threads have: y * FL_TILE_PX + x within the tile.
@@ -241,7 +246,7 @@ void place_triangle(uint number, uint triangle) {
   if (at == FL_NONE) return;
   vec3 normal = normalize(to_x * face.x + to_y * face.y + params.forward.xyz * face.z);
   side_a[at] = uvec4(floatBitsToUint(a_out), floatBitsToUint(volume * turn));
-  side_b[at] = uvec4(floatBitsToUint(b_out), mesh.y + a.part);
+  side_b[at] = uvec4(floatBitsToUint(b_out), object_identity(mesh.y + a.part));
   side_c[at] = uvec4(floatBitsToUint(c_out), pack_normal(normal));
 }
 

@@ -30,6 +30,12 @@ float beam_extent(BeamShape beam, vec3 eye, vec3 n) {
   return max(at_lens, at_end) - dot(n, eye);
 }
 
+// Radius of the lens from whose points shadows are cast. A rectangle's light space has the disc around it: points in a
+// smaller disc have the moments of the rectangle there.
+float shadow_lens_m(BeamRow row) {
+  return FL_NEED_RECTANGLE && row.squeeze > 0.0 ? 0.816496580927726 * row.x_axis.w : row.x_axis.w;
+}
+
 // How much longer a thin rectangle's radius may become in its stretched light space than a round beam's. sqrt(2) is for
 // the corners. A wide one's height is stretched; a high one's distances are shortened.
 float beam_stretch(float squeeze) { return squeeze > 0.0 ? 1.5 * max(sqrt(squeeze), inversesqrt(squeeze)) : 1.0; }

@@ -136,7 +136,12 @@
 // Strips of lasers in supertiles (laserstrips.comp): LaserStripRow, and LaserListRow, one a supertile.
 #define FL_BINDING_LASER_STRIPS (101 + FL_LAMP_COUNT)
 #define FL_BINDING_LASER_LISTS (102 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (103 + FL_LAMP_COUNT)
+// Textures of objects of the scene (lib/texture.glsl): TextureRow, one a textured material; the texels of their images;
+// places in them, one a vertex of the objects.
+#define FL_BINDING_TEXTURES (103 + FL_LAMP_COUNT)
+#define FL_BINDING_TEXTURE_TEXELS (104 + FL_LAMP_COUNT)
+#define FL_BINDING_OBJECT_UVS (105 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (106 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -191,7 +196,8 @@
 #define FL_SPEC_DETAIL (47 + FL_LAMP_COUNT)  // images of panes and displays as fine as pixels, not whole
 #define FL_SPEC_MAP_PX (48 + FL_LAMP_COUNT)  // texels a side of shadow maps; 0: shadows are cut exactly
 #define FL_SPEC_GLOSS (49 + FL_LAMP_COUNT)  // there are floors that mirror
-#define FL_SPEC_COUNT (50 + FL_LAMP_COUNT)
+#define FL_SPEC_PENUMBRA (50 + FL_LAMP_COUNT)  // points of a lens from which shadows are cast: 1, 4 or 7
+#define FL_SPEC_COUNT (51 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -622,7 +628,8 @@ struct BodyBoxRow {
   vec4 center;  // m; w: below 0: there are none
   vec4 half_size;
 };
-// The shadows in a beam, a row each of ShadowRow, in the order of the occluders.
+// The shadows in a beam, a row each of ShadowRow, in the order of the occluders; with several points of a lens first
+// those from its first point, then as many from the next one.
 struct ShadowListRow {
   uint first;
   uint count;
@@ -637,13 +644,14 @@ struct ShadowWordRow {
 };
 // A ShadowPrism (shadow.h), 208 bytes. Planes: normal, offset, in the beam's light space.
 struct ShadowRow {
-  uint count;     // of planes; << 8: of them, those at the end that are fronts; FL_SHADOW_HIDDEN
+  uint count;     // of planes; << 8: of them, those at the end that are fronts; FL_SHADOW_HIDDEN; point of the lens
   uint occluder;  // its row
   uint fixture;   // as OccluderRow
   float slack_m;  // likewise
   vec4 planes[12];  // filled up to a multiple of 4
 };
 #define FL_SHADOW_HIDDEN 65536u        // adds nothing to another shadow of the beam, in the air
+#define FL_SHADOW_POINT_SHIFT 20       // of ShadowRow::count
 #define FL_SHADOW_PLANE_BITS 12        // of an entry of a list
 #define FL_SHADOW_ROWS_MAX 1048575     // what the other bits can number
 // Words that all lists together have, for each supertile: so many a beam of the rig, and at least FL_PICKS_MIN. All
@@ -763,3 +771,14 @@ struct BodySlotRow {
 #define FL_PART_LENS 4
 // Of an object of the scene: this bit, and its albedo with 10 bits each from blue (lowest) to red.
 #define FL_OBJECT 0x80000000u
+// And this bit where it has a texture: then a vertex has the number of its TextureRow in place of the albedo.
+#define FL_OBJECT_TEXTURED 0x40000000u
+struct TextureRow {
+  vec4 albedo;  // times that of the image
+  uint texel_first;
+  uint width;  // of the largest level
+  uint height;
+  uint modes;  // levels; << FL_TEXTURE_WRAP_...: 0 repeats, 1 mirrors, 2 is clamped
+};
+#define FL_TEXTURE_WRAP_U 8
+#define FL_TEXTURE_WRAP_V 10

@@ -138,6 +138,96 @@ FL_FN bool shadow_prism(Real lens_radius_m, Real spread, FL_IN(ShadowSolid) soli
   return true;
 }
 
+// A lens shines from its whole disc. Its shadows are the mean over those from some points of the disc, each of equal or
+// given weight: cubatures of degree 3 (4 points) and 5 (7 points). They are turned so that an edge across an axis
+// passes them at even distances. points: 1, 4 or 7.
+FL_FN Vec3 lens_point(uint points, uint which, Real lens_radius_m) {
+  if (points == uint(4)) {
+    Vec3 first = Vec3(0.6708203932499369, 0.22360679774997896, 0);
+    Vec3 turned = (which & uint(1)) == uint(0) ? first : Vec3(-first.y, first.x, 0);
+    return turned * (which < uint(2) ? lens_radius_m : -lens_radius_m);
+  }
+  if (which == uint(0)) return Vec3(0, 0, 0);
+  uint third = (which - uint(1)) % uint(3);
+  Vec3 first = Vec3(0.8017837257372732, 0.15430334996209188, 0);
+  if (third == uint(1)) first = Vec3(0.26726124191242456, 0.7715167498104596, 0);
+  if (third == uint(2)) first = Vec3(-0.5345224838248486, 0.6172133998483678, 0);
+  return first * (which < uint(4) ? lens_radius_m : -lens_radius_m);
+}
+FL_FN Real lens_point_weight(uint points, uint which) {
+  if (points == uint(7)) return which == uint(0) ? Real(0.25) : Real(0.125);
+  return points == uint(4) ? Real(0.25) : Real(1);
+}
+
+// Each point stands for the part of the lens around it, a disc of this radius over R0: so the steps between the points'
+// edges are ramps.
+FL_FN Real lens_part_radius(uint points) { return points == uint(7) ? Real(0.37796447300922725) : Real(0.5); }
+// The share of the way from a point to a place at which light passes a front; values: of the front's plane, > 0
+// outside. At the outline the largest of all fronts is where it passes the body.
+FL_FN Real shadow_front_at(Real at_point, Real at_place) { return at_point / max(at_point - at_place, Real(1e-9)); }
+// The share of a disc of this radius around a point that an edge of the outline hides from a place. outside_m: how far
+// the place is outside the plane through the point and the edge; across: length of that plane's normal along the lens;
+// at: as above.
+FL_FN Real shadow_ramp(Real outside, Real half_width) {
+  Real x = clamp(Real(0.5) - Real(0.5) * outside / max(half_width, Real(1e-6)), Real(0), Real(1));
+  return x * x * (Real(3) - Real(2) * x);
+}
+FL_FN Real shadow_edge_share(Real outside_m, Real across, Real radius_m, Real at) {
+  return shadow_ramp(outside_m, radius_m * across * (Real(1) / max(at, Real(1e-4)) - Real(1)));
+}
+
+// The shadow of a body in light from one point of the lens plane: all behind its faces that are lit from there, between
+// the planes through the point and its outline. What is before the lens plane adds nothing beyond it. False: no shadow.
+FL_FN bool shadow_prism_from(Vec3 point, FL_IN(ShadowSolid) solid, FL_OUT(ShadowPrism) prism) {
+  prism.count = uint(0);
+  prism.fronts = uint(0);
+  Vec3 center = solid.center;
+  Real reach_z = abs(solid.half_edge[0].z) + abs(solid.half_edge[1].z) + abs(solid.half_edge[2].z);
+  prism.z_min_m = max(center.z - reach_z, Real(0));
+  if (!(center.z + reach_z > Real(1e-4))) return false;
+  Vec3 normal[3];
+  Real away[3];
+  bool front[6];  // as in shadow_prism()
+  bool any_front = false;
+  bool inside = true;  // the point is
+  for (int i = 0; i < 3; ++i) {
+    Vec3 n = cross(solid.half_edge[(i + 1) % 3], solid.half_edge[(i + 2) % 3]);
+    Real square = dot(n, n);
+    n = square > Real(1e-30) ? n * inversesqrt(square) : Vec3(0, 0, 0);
+    if (dot(n, solid.half_edge[i]) < Real(0)) n = n * Real(-1);
+    normal[i] = n;
+    away[i] = dot(n, solid.half_edge[i]);
+    Real at = dot(n, center - point);
+    front[2 * i] = at + away[i] < Real(0);
+    front[2 * i + 1] = away[i] - at < Real(0);
+    any_front = any_front || front[2 * i] || front[2 * i + 1];
+    inside = inside && at + away[i] > Real(0) && away[i] - at > Real(0);
+  }
+  if (!any_front && !inside) return false;  // it has no thickness for the light
+  for (int i = 0; i < 3; ++i) {
+    int j = (i + 1) % 3;
+    int k = (i + 2) % 3;
+    for (int corner = 0; corner < 4; ++corner) {
+      int at_j = corner & 1;
+      int at_k = corner >> 1;
+      if (front[2 * j + at_j] == front[2 * k + at_k]) continue;
+      Vec3 middle = center + solid.half_edge[j] * (at_j == 0 ? Real(1) : Real(-1)) +
+                    solid.half_edge[k] * (at_k == 0 ? Real(1) : Real(-1));
+      Vec3 n = cross(middle - point, solid.half_edge[i]);
+      if (!(dot(n, n) > Real(1e-30))) continue;  // an edge that is seen end on
+      if (dot(n, center - point) > Real(0)) n = n * Real(-1);
+      shadow_add_plane(prism, n, dot(n, point));
+    }
+  }
+  for (int face = 0; face < 6; ++face) {
+    if (!front[face]) continue;
+    Vec3 n = normal[face >> 1] * ((face & 1) == 0 ? Real(1) : Real(-1));
+    shadow_add_plane(prism, n, dot(n, center) + away[face >> 1]);
+    prism.fronts += uint(1);
+  }
+  return true;
+}
+
 // Cuts the part x0..x1 of a chord to what is inside a plane; from, to: h over w at the chord's ends. False: nothing.
 FL_FN bool shadow_cut(Real from, Real to, FL_INOUT(Real) x0, FL_INOUT(Real) x1) {
   if (from > Real(0)) {
@@ -147,6 +237,28 @@ FL_FN bool shadow_cut(Real from, Real to, FL_INOUT(Real) x0, FL_INOUT(Real) x1) 
     x1 = min(x1, from / (from - to));
   }
   return x1 > x0;
+}
+
+// The same for an outline whose edge is a ramp, half_from and half_to wide at the chord's ends: hard is cut where the
+// ramp has its middle, outer where it begins, inner where it ends. All are from x to y. A part that is empty has x > y.
+FL_FN void shadow_cut_soft(Real from, Real to, Real half_from, Real half_to, FL_INOUT(Vec2) hard, FL_INOUT(Vec2) outer,
+                           FL_INOUT(Vec2) inner) {
+  if (!shadow_cut(from, to, hard.x, hard.y)) hard.y = Real(-1);
+  if (!shadow_cut(from - half_from, to - half_to, outer.x, outer.y)) outer.y = Real(-1);
+  if (!shadow_cut(from + half_from, to + half_to, inner.x, inner.y)) inner.y = Real(-1);
+}
+
+// What stands for the shadow on a chord that is nowhere wholly within an outline's ramps. shares: of the lens that is
+// hidden at a quarter, the middle and three quarters of `outer`. Where they are alike, as on a line of sight along an
+// edge, it is as long as their mean says; where they are not, it is hard. Then many lens points and rays make it soft.
+FL_FN Vec2 shadow_soft_part(Vec2 hard, Vec2 outer, Vec3 shares) {
+  Real middle = Real(0.5) * (outer.x + outer.y);
+  Real half_length = Real(0.25) * (shares.x + shares.z) * (outer.y - outer.x);
+  Real most = max(shares.x, max(shares.y, shares.z));
+  Real least = min(shares.x, min(shares.y, shares.z));
+  Real apart = clamp((most - least) * Real(2.5) - Real(0.25), Real(0), Real(1));
+  if (!(hard.y > hard.x)) hard = Vec2(middle, middle);
+  return Vec2(middle - half_length, middle + half_length) * (Real(1) - apart) + hard * apart;
 }
 
 // Disjoint parts of a chord that are in shadow, in shares of its measure, in any order. An empty one is from 2 to 2.
@@ -194,6 +306,76 @@ FL_FN bool shadow_parts_next(FL_IN(ShadowParts) parts, Real x, FL_OUT(Real) from
     to = nearer ? parts.to[i] : to;
   }
   return from < Real(1.5);
+}
+
+// Where light is let through only on parts of a chord, more of it here than there: the nodes of the whole chord stay,
+// and only their weights change. Sums over the parts of their weight times the integrals of the Legendre polynomials
+// over [0, 1] give them. values: as many as there are nodes, 2 to 8.
+struct ShadowWeights {
+  Real values[8];
+};
+FL_FN void shadow_weights_clear(FL_OUT(ShadowWeights) weights) {
+  for (int k = 0; k < 8; ++k) weights.values[k] = Real(0);
+}
+FL_FN void shadow_weights_add(FL_INOUT(ShadowWeights) weights, Real share, Real from, Real to) {
+  // (2 k + 1) times the integral of P_k is the difference of its neighbours.
+  Real u = Real(2) * from - Real(1);
+  Real v = Real(2) * to - Real(1);
+  Real u_before = Real(1);
+  Real v_before = Real(1);
+  Real u_here = u;
+  Real v_here = v;
+  weights.values[0] += share * (to - from);
+  for (int k = 1; k < 8; ++k) {
+    Real u_next = (Real(2 * k + 1) * u * u_here - Real(k) * u_before) / Real(k + 1);
+    Real v_next = (Real(2 * k + 1) * v * v_here - Real(k) * v_before) / Real(k + 1);
+    weights.values[k] += share * Real(0.5) * ((v_next - v_before) - (u_next - u_before));
+    u_before = u_here;
+    v_before = v_here;
+    u_here = u_next;
+    v_here = v_next;
+  }
+}
+// From the dark parts to the lit ones.
+FL_FN void shadow_weights_invert(FL_INOUT(ShadowWeights) weights) {
+  for (int k = 0; k < 8; ++k) weights.values[k] = (k == 0 ? Real(1) : Real(0)) - weights.values[k];
+}
+// What the weight of a node at x is multiplied with; 1 where all of the chord was added.
+FL_FN Real shadow_weight(FL_IN(ShadowWeights) weights, uint nodes, Real x) {
+  Real u = Real(2) * x - Real(1);
+  Real before = Real(1);
+  Real here = u;
+  Real sum = weights.values[0];
+  for (int k = 1; k < 8; ++k) {
+    sum += uint(k) < nodes ? weights.values[k] * here : Real(0);
+    Real next = (Real(2 * k + 1) * u * here - Real(k) * before) / Real(k + 1);
+    before = here;
+    here = next;
+  }
+  return sum;
+}
+// As chord_inscatter_gauss(), of 2 nodes or more.
+FL_FN Real chord_inscatter_shaded(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n,
+                                  FL_IN(ShadowWeights) weights, bool with_extinction) {
+  Real total = Real(0);
+#ifdef FL_HAZE_FIELD
+  HazePieces haze = haze_pieces(chord);
+  Real end = Real(0);
+#endif
+  for (uint i = uint(0); i < n; ++i) {
+    Real s;
+    Real t_m;
+    Real x = kGaussNode[gauss_index(n, i)];
+    chord_point(chord, x, s, t_m);
+    Real weight = kGaussWeight[gauss_index(n, i)];
+#ifdef FL_HAZE_FIELD
+    end += weight;
+    weight *= haze_piece(haze, chord, end);
+#endif
+    weight *= shadow_weight(weights, n, x);
+    total += weight * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
+  }
+  return max(total, Real(0)) * chord_measure(chord);
 }
 
 // The part x0..x1 of a chord.

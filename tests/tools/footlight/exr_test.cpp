@@ -179,6 +179,24 @@ TEST_CASE("--shadows chooses exact cuts or maps of so many texels, and refuses o
   }
 }
 
+TEST_CASE("--penumbra is 1, 4 or 7 points of a lens, and refused where shadow maps were chosen") {
+  render::FrameSettings settings;
+  for (const char* word : {"1", "4", "7"}) {
+    REQUIRE(tools::take_penumbra(word, settings));
+    CHECK(settings.penumbra == static_cast<std::uint32_t>(word[0] - '0'));
+  }
+  for (const char* word : {"", "0", "2", "44", "on"}) {
+    const Status refused = tools::take_penumbra(word, settings);
+    REQUIRE(!refused);
+    CHECK(refused.error().message == std::string("--penumbra ") + word + ": expected 1, 4 or 7");
+  }
+  REQUIRE(tools::take_shadows("maps", settings));
+  CHECK(tools::take_penumbra("1", settings));
+  const Status refused = tools::take_penumbra("4", settings);
+  REQUIRE(!refused);
+  CHECK(refused.error().message == "--penumbra 4: shadow maps have hard edges; use --shadows exact");
+}
+
 TEST_CASE("a rendered OpenEXR file is the frame's radiance bit for bit, and its tone map is the PNG within one count") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

@@ -17,6 +17,7 @@ void add(Arguments& arguments) {
   auto flashes = std::make_shared<std::string>("warn");
   auto edges = std::make_shared<std::string>();
   auto shadows = std::make_shared<std::string>("on");
+  auto penumbra = std::make_shared<std::string>("1");
   auto bounce = std::make_shared<std::string>("on");
   auto camera_words = std::make_shared<CameraWords>();
   auto error = std::make_shared<std::string>();
@@ -69,6 +70,7 @@ void add(Arguments& arguments) {
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges; "
                    "default: 16 on a GPU, 4 on a CPU");
   arguments.option("--shadows", *shadows, "WORD", kShadowsHelp);
+  arguments.option("--penumbra", *penumbra, "POINTS", kPenumbraHelp);
   arguments.option("--bounce", *bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
   add_camera_arguments(arguments, *camera_words);
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
@@ -84,6 +86,7 @@ void add(Arguments& arguments) {
       return fail(ErrorCode::kBadInput, "--views {}: expected 1, 2 or 4", *options->views);
     }
     FL_TRY(take_shadows(*shadows, options->display));
+    FL_TRY(take_penumbra(*penumbra, options->display));
     FL_ASSIGN(options->bounce, parse_bounce(*bounce));
     FL_TRY(take_camera_words(*camera_words, options->display));
     FL_ASSIGN(options->flashes, flash_mode_of(*flashes));

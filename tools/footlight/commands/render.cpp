@@ -53,6 +53,7 @@ struct Options {
   std::optional<double> body_error_px;
   std::string edges;
   std::string shadows = "on";
+  std::string penumbra = "1";
   std::string bounce = "on";
   CameraWords camera_words;
   int supersample = 1;
@@ -443,6 +444,7 @@ Result<int> render_pictures(const Options& options) {
     FL_ASSIGN(settings.edge_samples, parse_edges(options.edges));
   }
   FL_TRY(take_shadows(options.shadows, settings));
+  FL_TRY(take_penumbra(options.penumbra, settings));
   FL_ASSIGN(settings.bounce, parse_bounce(options.bounce));
   FL_TRY(take_camera_words(options.camera_words, settings));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
@@ -457,6 +459,7 @@ Result<int> render_pictures(const Options& options) {
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
   FL_ASSIGN(settings.view, frame_view_of(shown, compiled.needs.panes));
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
+  warn_of_hard_edges(frame->settings());
   frame->set_work_light_lx(options.work_light_lx.value_or(usual_lx));
   print_warnings(frame->resources().rig.diagnostics);
   if (by_hand) {
@@ -552,6 +555,7 @@ void add(Arguments& arguments) {
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges; "
                    "default: 16 on a GPU, 4 on a CPU");
   arguments.option("--shadows", options->shadows, "WORD", kShadowsHelp);
+  arguments.option("--penumbra", options->penumbra, "POINTS", kPenumbraHelp);
   arguments.option("--bounce", options->bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
   add_camera_arguments(arguments, options->camera_words);
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");

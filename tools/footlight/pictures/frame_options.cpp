@@ -1,6 +1,7 @@
 #include "tools/footlight/pictures/frame_options.h"
 
 #include <charconv>
+#include <cstdio>
 #include <iterator>
 #include <optional>
 
@@ -53,6 +54,25 @@ Status take_shadows(const std::string& text, render::FrameSettings& settings) {
   return fail(ErrorCode::kBadInput,
               "--shadows {}: expected on, off, exact, maps, or maps:N of 16, 32, 64, 128 or 256 texels a side",
               printable_utf8(text));
+}
+
+Status take_penumbra(const std::string& text, render::FrameSettings& settings) {
+  if (text != "1" && text != "4" && text != "7") {
+    return fail(ErrorCode::kBadInput, "--penumbra {}: expected 1, 4 or 7", printable_utf8(text));
+  }
+  settings.penumbra = static_cast<std::uint32_t>(text[0] - '0');
+  if (settings.penumbra > 1 && settings.shadow_map_px != 0 && settings.shadow_map_px != render::kShadowsSuited) {
+    return fail(ErrorCode::kBadInput, "--penumbra {}: shadow maps have hard edges; use --shadows exact", text);
+  }
+  return {};
+}
+
+void warn_of_hard_edges(const render::FrameSettings& frame) {
+  if (frame.penumbra == 1 || frame.shadow_map_px == 0 || !frame.shadows) return;
+  fmt::print(stderr,
+             "footlight: shadows have hard edges, since so many things in so many beams get shadow maps; use --shadows "
+             "exact for --penumbra {}\n",
+             frame.penumbra);
 }
 
 Result<bool> parse_bounce(const std::string& text) { return parse_switch("--bounce", text); }

@@ -18,6 +18,14 @@ inline constexpr const char* kShadowsHelp =
     "exact: cut at the edges of what hides light; maps or maps:N: by shadow maps of 64 or N texels a side, whose time "
     "grows little with the number of things; on: as suits the rig; off: beams pass through boxes and fixtures, what "
     "they reflect does not [on]";
+// FrameSettings::penumbra of "1", "4" or "7". After take_shadows(): fails where that chose shadow maps and the edges
+// are not hard.
+Status take_penumbra(const std::string& text, render::FrameSettings& settings);
+// Writes a warning to standard error where a frame has shadow maps, so that soft edges were not made.
+void warn_of_hard_edges(const render::FrameSettings& frame);
+inline constexpr const char* kPenumbraHelp =
+    "points of each lens from which shadows are cast: 4 or 7 give soft edges in about 4 or 7 times the time of "
+    "shadows; 1: hard edges [1]";
 // FrameSettings::bounce of "on" or "off".
 [[nodiscard]] Result<bool> parse_bounce(const std::string& text);
 // FrameSettings::glare of "off", "1%" or "0.01".

@@ -16,6 +16,7 @@
 
 #include "fixtures/simulate/machines.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/pictures/frame_options.h"
 #include "tools/footlight/pictures/scene_files.h"
 #include "tools/footlight/preview/display_loss.h"
 
@@ -378,6 +379,7 @@ render::FrameSettings Preview::frame_settings(const PixelRect& where, bool rough
   if (rough) settings.edge_samples = 0;
   settings.shadows = options_.display.shadows;
   settings.shadow_map_px = options_.display.shadow_map_px;
+  settings.penumbra = options_.display.penumbra;
   settings.bounce = options_.bounce;
   take_display(controls_, settings);
   settings.haze = controls_.haze;
@@ -397,6 +399,7 @@ Status Preview::rebuild(const PixelRect& where) {
                                             render::product_passes(), &settings));
     videos_.show_all_again();
     print_warnings(frame_->resources().rig.diagnostics);
+    warn_of_hard_edges(frame_->settings());
     if (hand_) frame_->settle_machine_air(hand_->levels());
   }
   picture_since_ns_ = -1;

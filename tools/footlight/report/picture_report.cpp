@@ -153,6 +153,7 @@ FrameSettings judged_settings(const PictureReportOptions& options) {
   settings.bodies = false;
   settings.widen_thin = false;
   settings.edge_samples = 0;
+  settings.penumbra = options.penumbra;
   settings.gloss_px = 0;       // nor behind that of what floors mirror
   settings.shadow_map_px = 0;  // what other knobs do is not hidden behind the error of maps
   return settings;
@@ -177,6 +178,7 @@ Result<Judged> judge_scene_of(vk::Device& device, const Scene& scene, const View
       judge_scene(scene.rig, walker, [gobos](int gobo, double x, double y) { return gobos(gobo, x, y).x; });
   if (!only_builtin(scene.compiled)) judge.colors = gobos;
   judge.glosses.clear();
+  if (options.penumbra > 1) judge.lens = judge_lens(kJudgeLens);
   JudgeOptions judge_options;
   if (options.go_on) {
     judge_options.go_on = [&](int done, int all) { return options.go_on("judged pixels", done, all); };
@@ -311,7 +313,15 @@ std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::
     settings.nodes = steps;
     knobs.push_back({"march", static_cast<double>(steps), settings});
   }
+  settings = judged_settings(options);
+  for (const std::uint32_t points : {1u, 4u, 7u}) {
+    if (options.penumbra == 1 || !render::has_shadows(needs, settings)) break;
+    settings.penumbra = points;
+    knobs.push_back({"shadows from lens points", static_cast<double>(points), settings});
+  }
   if (!options.rivals) return knobs;
+  settings = judged_settings(options);
+  settings.tile_error = 0;
   knobs.push_back({"no haze", 0, settings, passes_with_air({})});
   settings = judged_settings(options);
   if (render::has_shadows(needs, settings)) {
@@ -342,6 +352,7 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
   whole.body_error_px = options.body_error_px;
   whole.shadows = options.shadows;
   whole.shadow_map_px = options.shadow_map_px;
+  whole.penumbra = options.penumbra;
   FL_ASSIGN(auto frame, make_frame(device, scene, whole));
   std::vector<PassTimes> pass_ms;
   std::vector<PassTime> first;
@@ -402,6 +413,7 @@ Status report_edges(vk::Device& device, const Scene& scene, const View& view, co
   whole.body_error_px = options.body_error_px;
   whole.shadows = options.shadows;
   whole.shadow_map_px = options.shadow_map_px;
+  whole.penumbra = options.penumbra;
   const int runs = std::min(options.runs, 3);  // a CPU takes seconds for each
   if (options.quick || !render::has_smooth_edges(scene.compiled.needs, whole) ||
       std::int64_t{whole.width} * whole.height > kEdgePixelsMax ||
@@ -510,7 +522,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
       if (is_own(knob, pass.name)) row.own_ms += percentile(pass.ms, 0.5);
     }
     if (settings.tile_error == defaults.tile_error && settings.gobo_taps == defaults.gobo_taps && settings.shadows &&
-        settings.shadow_map_px == 0) {
+        settings.shadow_map_px == 0 && settings.penumbra == options.penumbra) {
       report.passes.clear();
       for (const PassTimes& pass : pass_ms) report.passes.push_back({pass.name, percentile(pass.ms, 0.5)});
     }

@@ -23,6 +23,9 @@ struct PictureReport;
 // one, because bright pixels and edges are sampled more often (the demo at 30 s; docs/numerics.md).
 inline constexpr int kJudgePixels = 1500;
 
+// Places of each lens from which the judge casts shadows with soft edges.
+inline constexpr int kJudgeLens = 96;
+
 struct PictureReportOptions {
   int width = 640;  // of the frames that are timed and compared
   int height = 360;
@@ -37,6 +40,8 @@ struct PictureReportOptions {
   double body_error_px = 0.5;                                // FrameSettings::body_error_px, of the whole frame
   bool shadows = true;                                       // the same two, of the whole frame
   std::uint32_t shadow_map_px = render::kShadowsSuited;
+  // FrameSettings::penumbra of all rows. Above 1 the judge's lenses shine from kJudgeLens places each.
+  std::uint32_t penumbra = 1;
   std::optional<render::Knobs> chosen;                       // a row of its own, "chosen", the first one
   bool judge = true;                                         // false: only times are measured
   bool rivals = false;                                       // rows of the methods of render/rivals

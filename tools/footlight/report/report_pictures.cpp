@@ -50,6 +50,7 @@ struct PictureArguments {
   int runs = 11;
   double body_error_px = render::FrameSettings{}.body_error_px;
   std::string shadow_words = "on";
+  std::string penumbra = "1";
   render::FrameSettings shadows;  // of which the shadows of the whole frame
   std::string error;  // "0.1%"
   std::string ms;
@@ -286,6 +287,7 @@ PictureReportOptions options_of(const PictureArguments& arguments, const Picture
   pictures.body_error_px = arguments.body_error_px;
   pictures.shadows = arguments.shadows.shadows;
   pictures.shadow_map_px = arguments.shadows.shadow_map_px;
+  pictures.penumbra = arguments.shadows.penumbra;
   pictures.judge = !arguments.no_judge;
   pictures.rivals = arguments.rivals;
   pictures.quick = options.quick;
@@ -362,6 +364,7 @@ void print_figures(const PictureArguments& arguments, const ReportOptions& optio
 Status report_pictures(const PictureArguments& words, const ReportOptions& options) {
   PictureArguments arguments = words;
   FL_TRY(take_shadows(arguments.shadow_words, arguments.shadows));
+  FL_TRY(take_penumbra(arguments.penumbra, arguments.shadows));
   FL_ASSIGN(const render::QualityRequest request, render::parse_quality(arguments.error, arguments.ms));
   if (request.any() && (arguments.fleet > 0 || !arguments.sweep.empty())) {
     return fail(ErrorCode::kBadInput, "{} chooses settings for one scene; use it without --sweep and --fleet",
@@ -479,6 +482,9 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.option("--body-error", chosen->body_error_px, 0, 1000,
                    "error of fixture bodies in pixels, in the whole frame; 0: whole models");
   arguments.option("--shadows", chosen->shadow_words, "WORD", "of the whole frame; " + std::string(kShadowsHelp));
+  arguments.option("--penumbra", chosen->penumbra, "POINTS",
+                   "of all rows; with 4 and 7 errors are those to light from the whole of each lens, and there are "
+                   "rows of 1, 4 and 7; " + std::string(kPenumbraHelp));
   arguments.option("--error", chosen->error, "SHARE", "choose the knobs for this error, as in 0.1%, and measure them");
   arguments.option("--ms", chosen->ms, "MS", "choose the knobs for this GPU time of a frame, and measure them");
   arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this text");
