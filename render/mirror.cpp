@@ -98,12 +98,14 @@ std::uint64_t mirror_bytes(const MemoryShape& shape) {
   if (!has_gloss(shape.needs, shape.settings)) return 0;
   MemoryShape picture{shape.rig, shape.compiled, shape.needs, mirror_settings(shape.settings)};
   picture.settings.gloss_px = 0;
+  picture.needs.laser = false;
   std::uint64_t bytes = mirror_shape(shape.settings).bytes();
   for (const int binding :
-       {FL_BINDING_MASKS, FL_BINDING_LASER_MASKS, FL_BINDING_LASER_STRIPS, FL_BINDING_LASER_LISTS, FL_BINDING_TILE_DEPTHS, FL_BINDING_COARSE, FL_BINDING_RIMS,
-        FL_BINDING_CUTS, FL_BINDING_SHADOW_WORDS, FL_BINDING_SHADOW_PICKS, FL_BINDING_FINE_MASKS,
-        FL_BINDING_SHADE_WORDS, FL_BINDING_SMALL_DEPTHS, FL_BINDING_SMALL_KEYS, FL_BINDING_EDGES, FL_BINDING_EDGE_MASKS,
-        FL_BINDING_SURFACE_ID, FL_BINDING_DEPTH, FL_BINDING_RADIANCE, FL_BINDING_SCREEN}) {
+       {FL_BINDING_MASKS, FL_BINDING_LASER_MASKS, FL_BINDING_LASER_STRIPS, FL_BINDING_LASER_LISTS,
+        FL_BINDING_TILE_DEPTHS, FL_BINDING_COARSE, FL_BINDING_RIMS, FL_BINDING_CUTS, FL_BINDING_SHADOW_WORDS,
+        FL_BINDING_SHADOW_PICKS, FL_BINDING_FINE_MASKS, FL_BINDING_SHADE_WORDS, FL_BINDING_SMALL_DEPTHS,
+        FL_BINDING_SMALL_KEYS, FL_BINDING_EDGES, FL_BINDING_EDGE_MASKS, FL_BINDING_SURFACE_ID, FL_BINDING_DEPTH,
+        FL_BINDING_RADIANCE, FL_BINDING_SCREEN}) {
     bytes += binding_bytes(static_cast<std::uint32_t>(binding), picture);
   }
   return bytes;
@@ -142,13 +144,15 @@ Status Mirror::make(vk::Device& device, Resources& own, const fixtures::Needs& n
   settings_ = mirror_settings(settings);
   FrameSettings plain = settings_;
   plain.gloss_px = 0;  // no pyramid of its own
-  FL_ASSIGN(resources_.picture, PictureImages::create(device, needs, plain, own.rig.mask_words, own.rig.laser_rows));
+  fixtures::Needs seen = needs;
+  seen.laser = false;  // they are not mirrored
+  FL_ASSIGN(resources_.picture, PictureImages::create(device, seen, plain, own.rig.mask_words, 0));
   resources_.bind_all();
   resources_.bindings.set_image(FL_BINDING_MIRROR, own.picture.mirror);
   resources_.bindings.set_image(FL_BINDING_OWN_RADIANCE, own.picture.radiance);
   for (const PassEntry* entry : kMirrored) {
-    if (std::find(passes.begin(), passes.end(), entry) == passes.end() || !entry->needed(needs, settings_)) continue;
-    FL_ASSIGN(auto pass, entry->create({device, resources_, settings_, mirror_constants(*entry, needs, settings_)}));
+    if (std::find(passes.begin(), passes.end(), entry) == passes.end() || !entry->needed(seen, settings_)) continue;
+    FL_ASSIGN(auto pass, entry->create({device, resources_, settings_, mirror_constants(*entry, seen, settings_)}));
     passes_.push_back(std::move(pass));
   }
   const PassContext context{device, resources_, settings_, {}};

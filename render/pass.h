@@ -138,10 +138,15 @@ struct PassEntry {
   return needs.fixtures && needs.laser && settings.widen_thin && settings.view != FrameView::kClasses &&
          (has_air(needs, settings) || has_solids(needs, settings));
 }
+// Whether their light in the air is taken together for supertiles; clouds are not polynomials.
+[[nodiscard]] inline bool has_laser_strips(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_lasers(needs, settings) && has_air(needs, settings) && !has_haze_field(needs, settings) && settings.view == FrameView::kPicture &&
+         settings.tile_error > 0;
+}
 // Whether the distances of tiles are needed.
 [[nodiscard]] inline bool has_tile_depths(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_solids(needs, settings) && (has_tile_classes(needs, settings) || has_shadows_in_air(needs, settings) ||
-                                         has_lasers(needs, settings));
+                                         has_laser_strips(needs, settings));
 }
 // Whether solid things reflect light to others.
 [[nodiscard]] inline bool has_bounce(const fixtures::Needs& needs, const FrameSettings& settings) {

@@ -194,6 +194,8 @@ std::uint64_t laser_list_bytes(const FrameSettings& settings, std::uint32_t lase
   return std::uint64_t{supertiles(settings.width)} * supertiles(settings.height) * sizeof(LaserListRow);
 }
 
+std::uint32_t laser_rows_of(const MemoryShape& shape) { return shape.needs.laser ? shape.compiled.laser_rows : 0; }
+
 std::uint64_t tile_depth_bytes(const FrameSettings& settings, bool used) {
   if (!used) return sizeof(TileDepthRow);
   return std::uint64_t{cells(settings.width, FL_TILE_PX)} * cells(settings.height, FL_TILE_PX) * sizeof(TileDepthRow);
@@ -427,9 +429,9 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       return std::uint64_t{plan.gates} * plan.gate_planes * kGateImageBytes;
     }
     case FL_BINDING_MASKS: return mask_bytes(settings, mask_words_of(shape.compiled));
-    case FL_BINDING_LASER_MASKS: return laser_mask_bytes(settings, shape.compiled.laser_rows);
-    case FL_BINDING_LASER_STRIPS: return laser_strip_bytes(settings, shape.compiled.laser_rows);
-    case FL_BINDING_LASER_LISTS: return laser_list_bytes(settings, shape.compiled.laser_rows);
+    case FL_BINDING_LASER_MASKS: return laser_mask_bytes(settings, laser_rows_of(shape));
+    case FL_BINDING_LASER_STRIPS: return laser_strip_bytes(settings, laser_rows_of(shape));
+    case FL_BINDING_LASER_LISTS: return laser_list_bytes(settings, laser_rows_of(shape));
     case FL_BINDING_TILE_DEPTHS: return tile_depth_bytes(settings, has_tile_depths(shape.needs, settings));
     case FL_BINDING_SHADOW_WORDS:
       return shadow_word_bytes(settings, mask_words_of(shape.compiled), has_shadows_in_air(shape.needs, settings));

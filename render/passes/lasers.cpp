@@ -4,7 +4,6 @@
 
 #include "render/passes/compute_pass.h"
 #include "shaders/hazelasers.comp.h"
-#include "shaders/hazelaserstrips.comp.h"
 #include "shaders/laserair.comp.h"
 #include "shaders/lasermasks.comp.h"
 #include "shaders/laserrows.comp.h"
@@ -80,11 +79,10 @@ const PassEntry kLasersPass{
       LasersPass::Steps steps;
       FL_ASSIGN(steps.rows, BoundPipeline::compute(context, kLaserrowsComp, context.constants));
       FL_ASSIGN(steps.masks, BoundPipeline::compute(context, kLasermasksComp, context.constants));
-      const bool air = has_constant(context, FL_SPEC_LASER) && context.settings.view == FrameView::kPicture &&
-                       context.settings.tile_error > 0;
+      const bool air = has_constant(context, FL_SPEC_LASER) && has_constant(context, FL_SPEC_TILES) && !haze &&
+                       context.settings.view == FrameView::kPicture;  // as has_laser_strips()
       if (air) {
-        const vk::Spirv strips = haze ? vk::Spirv(kHazelaserstripsComp) : vk::Spirv(kLaserstripsComp);
-        FL_ASSIGN(steps.strips, BoundPipeline::compute(context, strips, context.constants));
+        FL_ASSIGN(steps.strips, BoundPipeline::compute(context, kLaserstripsComp, context.constants));
         FL_ASSIGN(steps.air, BoundPipeline::compute(context, kLaserairComp, context.constants));
       }
       const vk::Spirv light = haze ? vk::Spirv(kHazelasersComp) : vk::Spirv(kLasersComp);
@@ -92,9 +90,8 @@ const PassEntry kLasersPass{
       return std::unique_ptr<Pass>(new LasersPass(context, std::move(steps), air));
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kLaserrowsComp},      {kLasermasksComp}, {kLaserstripsComp},
-                                                 {kHazelaserstripsComp}, {kLaserairComp},   {kLasersComp},
-                                                 {kHazelasersComp}};
+      return std::vector<std::vector<vk::Spirv>>{{kLaserrowsComp}, {kLasermasksComp}, {kLaserstripsComp},
+                                                 {kLaserairComp},  {kLasersComp},     {kHazelasersComp}};
     },
     "scanned lasers"};
 

@@ -1,7 +1,7 @@
 #version 460
 // Takes the light in the air of lasers together for supertiles, one workgroup a supertile: rows whose light in front of
 // everything solid is near polynomials become strips, which laserair.comp draws; rows without light there are dropped;
-// the bits of the others stay for lasers.comp. With FL_USE_HAZE: haze that is not even.
+// the bits of the others stay for lasers.comp. Haze is even.
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/forms.glsl"
@@ -21,6 +21,7 @@ layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 const bool kSolids = kBoxes || kBodies;
+const bool kAir = true;
 #define FL_DEPTHS_ACCESS readonly
 #define FL_DEPTHS_READ
 #include "render/shaders/lib/tile_depth.glsl"

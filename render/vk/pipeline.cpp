@@ -264,8 +264,7 @@ void Pipelines::work() {
     job.pipeline.reset();
     lock.lock();
     if (compiled) continue;
-    failed_.push_back(std::move(job.key));
-    if (!error_) error_ = compiled.error();
+    failed_.emplace_back(std::move(job.key), compiled.error());
   }
   --working_;
   done_.notify_all();
@@ -281,8 +280,13 @@ Status Pipelines::finish() {
   done_.wait(lock, [this] { return working_ == 0; });
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
-  for (const Key& key : std::exchange(failed_, {})) pipelines_.erase(key);
-  const std::optional<Error> error = std::exchange(error_, std::nullopt);
+  std::optional<Error> error;
+  for (const auto& [key, reason] : std::exchange(failed_, {})) {
+    const auto found = pipelines_.find(key);
+    if (found == pipelines_.end()) continue;
+    if (found->second.use_count() > 1 && !error) error = reason;
+    pipelines_.erase(found);
+  }
   if (error) return tl::unexpected<Error>(*error);
   return {};
 }

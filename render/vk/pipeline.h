@@ -142,7 +142,7 @@ class Pipeline {
 // shaders first. They begin with the first begin_compute() and end when nothing is left to compile.
 class Pipelines {
  public:
-  static constexpr std::size_t kKeptMax = 64;
+  static constexpr std::size_t kKeptMax = 96;  // a frame, one that is compiled ahead, and the measured error
   static constexpr std::size_t kThreadsMax = 8;
 
   explicit Pipelines(Device& device) : device_(device) {}
@@ -155,8 +155,8 @@ class Pipelines {
   // The same without waiting: the pipeline has its layouts at once, and may be bound after finish().
   [[nodiscard]] Result<std::shared_ptr<const Pipeline>> begin_compute(Spirv spirv,
                                                                       std::span<const SpecConstant> constants);
-  // Waits until all pipelines are compiled. The first error since the last call, if there was one; pipelines that
-  // failed are forgotten.
+  // Waits until all pipelines are compiled. The first error since the last call of a pipeline that somebody holds, if
+  // there was one; pipelines that failed are forgotten.
   Status finish();
   // Leaves those that are not begun, and waits for the others. Nothing that was left may be bound.
   void stop();
@@ -187,8 +187,7 @@ class Pipelines {
   std::condition_variable done_;
   std::vector<Job> jobs_;       // under mutex_, like all below: not yet begun
   std::size_t working_ = 0;     // threads that have not ended
-  std::vector<Key> failed_;
-  std::optional<Error> error_;  // the first one
+  std::vector<std::pair<Key, Error>> failed_;
 };
 
 }  // namespace footlight::render::vk

@@ -1,7 +1,11 @@
 // Strips of some rows of lasers in a square of the picture, one workgroup a square: their polynomials, whether these do,
 // and whether the row may light something solid there. After laser_strip.glsl and
-// laser_masks.glsl, with kExtinction.
+// laser_masks.glsl, with kExtinction and kAir.
+#ifdef FL_USE_HAZE
+const bool kTiles = false;  // clouds are not polynomials: between its nodes a fan was off by 1.8e-3 of the picture
+#else
 layout(constant_id = FL_SPEC_TILES) const bool kTiles = true;  // else every pixel is computed
+#endif
 const uint kThreads = 256u;
 const uint kNotes = kThreads / 32u;
 const uint kBatch = kThreads / kPlaces;  // rows at a time
@@ -88,7 +92,7 @@ void choose(uint slot, LaserRow row) {
   bool is_free = !is_along && far_m + behind_m < uintBitsToFloat(nearest_bits);
   bool is_hidden = !is_along && near_m > uintBitsToFloat(farthest_bits);
   bool is_off = !kTiles || !is_free || (off_bits >> slot & 1u) != 0u;
-  bool is_lit = uintBitsToFloat(most_bits[slot]) > 0.0 && uintBitsToFloat(lit_bits[slot]) > kLeastLit;
+  bool is_lit = kAir && uintBitsToFloat(most_bits[slot]) > 0.0 && uintBitsToFloat(lit_bits[slot]) > kLeastLit;
   uint bit = is_hidden ? 0u : 1u << slot;
   if (is_lit && is_off) atomicOr(by_pixel, bit);
   if (is_lit && !is_off) atomicOr(by_strip, bit);

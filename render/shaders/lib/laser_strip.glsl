@@ -31,7 +31,11 @@ LaserStripRow laser_strip(LaserRow row, LaserSheet sheet, vec2 middle, float hal
   // What the pixels see of a beam is so wide here, with something to spare for the other end of the square.
   float tau = clamp(-first.x / (abs(change.x) > 0.0 ? change.x : 1.0), 0.0, sheet.reach);
   float margin = 1.2 * kLaserReach / max(laser_meeting(sheet, pixel, tau).scale * slope, 1e-20) + 0.5;
-  margin = min(margin, row.cross_2.w);
+  // It grows with the distance from where the beams go to.
+  vec3 last_beam = sheet.first + sheet.second * sheet.reach;
+  vec3 ways[2] = vec3[2](laser_picture(pixel, sheet.first), laser_picture(pixel, last_beam));
+  vec2 gone = ways[0].xy / (abs(ways[0].z) > 1e-6 ? ways[0].z : 1e-6);
+  margin = min(margin * (1.0 + 1.5 * half_square / max(length(gone), 1.0)), row.cross_2.w);
   // Where both edges cross the strip's ends.
   float low = -whole;
   float high = whole;
@@ -64,8 +68,6 @@ LaserStripRow laser_strip(LaserRow row, LaserSheet sheet, vec2 middle, float hal
   vec3 lens = laser_picture(pixel, -sheet.eye);
   if (lens.z > kLaserNearest) {
     vec2 lens_px = lens.xy / lens.z;
-    vec3 last_beam = sheet.first + sheet.second * sheet.reach;
-    vec3 ways[2] = vec3[2](laser_picture(pixel, sheet.first), laser_picture(pixel, last_beam));
     vec2 way = vec2(dot(ways[0].xy - lens_px * ways[0].z, along), dot(ways[1].xy - lens_px * ways[1].z, along));
     float at = dot(lens_px, along);
     if (way.x > 0.0 && way.y > 0.0) from = max(from, at - margin);
