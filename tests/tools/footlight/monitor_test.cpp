@@ -444,6 +444,17 @@ TEST_CASE("a monitor finds the only running bridge, and lists the sockets if the
   CHECK(contains(outcome.err, "--socket " + folder.file("") + "/footlight/run.sock"));
 }
 
+TEST_CASE("a slot without a rig, and a rig for levels as JSON, are refused before anything is opened") {
+  const auto slot = testing::footlight({"monitor", "mock:enttec-pro", "--once", "--slot", "17"});
+  CHECK(slot.exit_code == 2);
+  CHECK(contains(slot.err, "--slot 17"));
+  CHECK(contains(slot.err, "add --rig FILE"));
+  const auto rig = testing::footlight({"monitor", "mock:enttec-pro", "--json", "--once", "--rig", "none.toml"});
+  CHECK(rig.exit_code == 2);
+  CHECK(contains(rig.err, "--rig none.toml"));
+  CHECK(contains(rig.err, "--json"));
+}
+
 TEST_CASE("a monitor without a terminal is refused with the options that need none") {
   const auto outcome = testing::footlight({"monitor", "mock:enttec-pro"});
   CHECK(outcome.exit_code == 1);

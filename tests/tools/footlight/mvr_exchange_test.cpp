@@ -20,6 +20,7 @@
 #include "sim/system_clock.h"
 #include "tests/support/must.h"
 #include "tests/support/temp_folder.h"
+#include "tools/footlight/mvr/exchange_follower.h"
 #include "tools/footlight/mvr/mvr_exchange.h"
 
 namespace footlight::testing {
@@ -194,6 +195,97 @@ TEST_CASE("an exchange that is stopped ends by itself") {
   REQUIRE(looking.until([&] { return looking.view.on; }));
   exchange.stop();
   CHECK(looking.until([&] { return exchange.ended(); }));
+}
+
+// A window that calls its exchange, at times of the test.
+class Following {
+ public:
+  explicit Following(TimeNs now_ns) : now_ns(now_ns) {}
+  void turn() {
+    for (auto& event : follower_.turn(now_ns, view, ".", [this] {
+           ++exported;
+           return tools::ExchangeFollower::Rig{std::make_shared<const fixtures::ImportedRig>(some_rig()), "club.mvr"};
+         })) {
+      events.push_back(std::move(event));
+    }
+  }
+  template <class Condition>
+  bool until(Condition condition) {
+    SystemClock clock;
+    for (const TimeNs end_ns = clock.now_ns() + 60 * kNsPerS; clock.now_ns() < end_ns;) {
+      turn();
+      if (condition()) return true;
+      follower_.wait_for_news(kNsPerS / 4);
+    }
+    return false;
+  }
+  [[nodiscard]] bool runs() const { return follower_.runs(); }
+  ExchangeView view;
+  std::vector<MvrExchange::Event> events;
+  TimeNs now_ns;
+  int exported = 0;
+
+ private:
+  tools::ExchangeFollower follower_{quiet()};
+};
+
+TEST_CASE("a rig is shared by a window in which nobody has looked for stations") {
+  Following window(1000 * kNsPerS);
+  window.turn();
+  CHECK(!window.runs());
+  window.view.share = true;
+  REQUIRE(window.until([&] { return !window.view.sharing.empty(); }));
+  window.now_ns += 2 * tools::ExchangeFollower::kUnseenNs;
+  for (int i = 0; i < 3; ++i) window.turn();
+  CHECK(!window.view.share);
+  CHECK(window.exported == 1);
+  CHECK(window.runs());
+  window.view.stop_sharing = true;
+  CHECK(window.until([&] { return !window.runs(); }));
+}
+
+TEST_CASE("an exchange that ends leaves nothing in the window, and what is asked for meanwhile is done after it") {
+  Following window(1000 * kNsPerS);
+  window.view.looks = true;
+  REQUIRE(window.until([&] { return window.view.on; }));
+  window.view.address_text = "10.0.";
+  window.now_ns += 2 * tools::ExchangeFollower::kUnseenNs;
+  window.turn();  // tells it to end
+  window.view.share = true;
+  window.turn();
+  CHECK((window.view.share || window.exported == 1));  // asked for, until the next exchange has it
+  REQUIRE(window.until([&] { return !window.view.sharing.empty(); }));
+  CHECK(window.exported == 1);
+  CHECK(window.view.address_text == "10.0.");
+  window.view.stop_sharing = true;
+  window.now_ns += 2 * tools::ExchangeFollower::kUnseenNs;
+  REQUIRE(window.until([&] { return window.view.sharing.empty(); }));  // and that turn tells it to end
+  window.view.sharing = window.view.receiving = window.view.trouble = "left over";
+  window.view.makes = true;
+  REQUIRE(window.until([&] { return !window.runs(); }));
+  CHECK(!window.view.on);
+  CHECK(!window.view.makes);
+  for (const auto& left : {window.view.sharing, window.view.receiving, window.view.trouble}) CHECK(left.empty());
+}
+
+TEST_CASE("why stations are not found is shown again after the end of sharing, and no longer once they are") {
+  std::atomic<int> opened = 0;
+  MvrExchange::Options options = quiet();
+  options.finds = true;
+  options.open_discovery = [&]() -> Result<std::unique_ptr<drivers::MvrDiscovery>> {
+    if (opened++ == 1) return fail(ErrorCode::kNotFound, "the daemon is away");
+    return std::unique_ptr<drivers::MvrDiscovery>();
+  };
+  MvrExchange exchange(options);
+  Looking looking(exchange);
+  for (const char* trouble : {"the daemon is away", ""}) {
+    exchange.share(std::make_shared<const fixtures::ImportedRig>(some_rig()), "club.mvr");
+    REQUIRE(looking.until([&] { return !looking.view.sharing.empty(); }));
+    exchange.stop_sharing();
+    REQUIRE(looking.until([&] { return looking.view.sharing.empty(); }));
+    CHECK(looking.view.trouble == trouble);
+  }
+  CHECK(opened == 3);
 }
 
 TEST_CASE("the name of a received file has no folder, is new, and is one in any case") {

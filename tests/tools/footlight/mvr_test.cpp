@@ -1,5 +1,6 @@
 // Rigs over the network: the program beside itself, and beside stations of the test.
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <filesystem>
@@ -11,7 +12,9 @@
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <poll.h>
+#include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include "drivers/net/mvr_xchange_tcp.h"
@@ -222,7 +225,7 @@ TEST_CASE("a file that appeared while another was received stays, unless it may 
   const std::string rig = rig_bytes("Par 1");
   const std::span<const std::uint8_t> bytes(reinterpret_cast<const std::uint8_t*>(rig.data()), rig.size());
   for (const bool overwrite : {false, true}) {
-    tools::ReceivedFile file(path, overwrite);
+    tools::ReceivedFile file(path, {.overwrite = overwrite});
     must(file.open());
     must(file.write(bytes, bytes.size()));
     (void)folder.write("rig.mvr", "mine");
@@ -234,6 +237,28 @@ TEST_CASE("a file that appeared while another was received stays, unless it may 
   CHECK(std::distance(fs::directory_iterator(folder.path()), {}) == 1);
 }
 
+TEST_CASE("a received file shows in a terminal how far it is, but only where this is asked for") {
+  const TempFolder folder;
+  const std::vector<std::uint8_t> bytes(100);
+  for (const bool shows : {false, true}) {
+    const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+    REQUIRE(terminal >= 0);
+    REQUIRE(::grantpt(terminal) == 0);
+    REQUIRE(::unlockpt(terminal) == 0);
+    const int other = ::open(::ptsname(terminal), O_RDWR | O_NOCTTY);
+    const int errors = ::dup(STDERR_FILENO);
+    ::dup2(other, STDERR_FILENO);
+    tools::ReceivedFile file(folder.file("rig.mvr"), {.shows = shows});
+    must(file.open());
+    must(file.write(bytes, 2 * bytes.size()));
+    ::dup2(errors, STDERR_FILENO);
+    std::array<char, 256> text{};
+    const ssize_t length = ::read(terminal, text.data(), text.size());
+    CHECK((length > 0) == shows);
+    for (const int each : {terminal, other, errors}) ::close(each);
+  }
+}
+
 TEST_CASE("a part of a program that was killed does not stop the next one with its process number") {
   const TempFolder folder;
   const std::string path = folder.file("rig.mvr");
@@ -242,7 +267,7 @@ TEST_CASE("a part of a program that was killed does not stop the next one with i
   const int next = std::stoi(last.substr(dash + 1)) + 1;
   const std::string left = fmt::format("{}-{}.part.mvr", last.substr(0, dash), next);
   std::ofstream(left) << "left over";
-  tools::ReceivedFile file(path, false);
+  tools::ReceivedFile file(path, {});
   CHECK(file.open().has_value());
   CHECK(fs::file_size(left) == 0);
 }

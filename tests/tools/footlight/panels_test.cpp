@@ -14,6 +14,7 @@
 
 #include "tests/tools/footlight/panels_test_imgui.h"
 #include "tests/tools/footlight/ui_rigs.h"
+#include "tools/footlight/preview/ui/draw_universe_maps.h"
 #include "tools/footlight/preview/ui/escape.h"
 #include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/panels.h"
@@ -209,6 +210,53 @@ TEST_CASE("nine universes are shown at once by pages, and a click shows one of t
   for (float x = 150; x < 200 && !has("universe 11: "); x += 8) ui.click(x, box.y);
   CHECK(has("universe 11: 0 not 0"));
   CHECK(!has("universe 9: "));
+}
+
+// Maps alone, of whichever desk.
+class MapsUi final : public testing::DrawnUi {
+ public:
+  UiDesk* desk = nullptr;
+  std::vector<std::uint8_t> levels;
+  bool frozen = false;
+
+ private:
+  void draw() override {
+    UiInput input;
+    input.levels = levels;
+    input.now_ns = now_ns_ += kNsPerS;
+    ImGui::SetNextWindowPos({0, 0});
+    ImGui::SetNextWindowSize({1200, 700});
+    if (ImGui::Begin("maps")) (void)maps_.draw(*desk, input, frozen, {});
+    ImGui::End();
+  }
+  testing::HeadlessImGui imgui_{1280, 720};
+  UniverseMaps maps_;
+  TimeNs now_ns_ = 0;
+};
+
+TEST_CASE("frozen maps stay, until an edit changes the universes of their page") {
+  const auto many = many_universes(11);
+  const auto few = many_universes(2);
+  fixtures::Rig bare = parsed_rig(kUiRig);
+  bare.fixtures.clear();
+  const auto none = compiled_rig(std::move(bare));
+  UiDesk before(many.rig, many.compiled);
+  UiDesk after(few.rig, few.compiled);
+  UiDesk empty(none.rig, none.compiled);
+  MapsUi ui;
+  ui.desk = &before;
+  ui.levels.assign(11 * kSlotCountMax, 0);
+  ui.frame();
+  ui.frozen = true;
+  ui.levels[0] = 9;
+  CHECK(ui.words().find("universe 1: 0 not 0") != std::string::npos);
+  ui.desk = &after;
+  const std::string words = ui.words();
+  CHECK(words.find("universe 1: 1 not 0") != std::string::npos);
+  CHECK(words.find("universe 2: 0 not 0") != std::string::npos);
+  CHECK(words.find("universe 3: ") == std::string::npos);
+  ui.desk = &empty;
+  CHECK(ui.words().find("universe 1: ") == std::string::npos);
 }
 
 TEST_CASE("levels are drawn as bars, until the grid is frozen") {

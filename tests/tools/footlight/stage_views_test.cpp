@@ -86,6 +86,43 @@ TEST_CASE("a movement of the camera is undone in the view in which it was made, 
   CHECK(desk.camera_of(1).distance_m() == doctest::Approx(far.distance_m()));
 }
 
+TEST_CASE("what is undone is seen: the view of a movement becomes active, and closed views are passed over") {
+  const auto rig = compiled_rig(parsed_rig(kUiRig));
+  UiDesk desk(rig.rig, rig.compiled);
+  desk.set_views(2);
+  const OrbitCamera near({.name = "near", .position_m = {0, -5, 2}});
+  const OrbitCamera far({.name = "far", .position_m = {0, -50, 2}});
+  const double start_m = desk.state().camera.distance_m();
+  desk.jump_camera(near);
+  desk.activate_view(1);
+  desk.jump_camera(far);
+  desk.activate_view(0);
+  CHECK(!desk.undo().empty());
+  CHECK(desk.state().view == 1);
+  CHECK(!desk.redo().empty());
+  CHECK(desk.state().camera.distance_m() == doctest::Approx(far.distance_m()));
+  desk.set_views(1);
+  CHECK(desk.undo() == "move the camera");
+  CHECK(desk.state().view == 0);
+  CHECK(desk.state().camera.distance_m() == doctest::Approx(start_m));  // not that of the view that is closed
+  CHECK(desk.undo().empty());
+  CHECK(!desk.redo().empty());
+  CHECK(desk.redo().empty());
+  CHECK(desk.state().camera.distance_m() == doctest::Approx(near.distance_m()));
+}
+
+TEST_CASE("a flight ends with its view") {
+  const auto rig = compiled_rig(parsed_rig(kUiRig));
+  UiDesk desk(rig.rig, rig.compiled);
+  desk.set_views(2);
+  desk.activate_view(1);
+  desk.fly().set_on(true);
+  desk.activate_view(1);
+  CHECK(desk.fly().on());
+  desk.set_views(1);
+  CHECK(!desk.fly().on());
+}
+
 TEST_CASE("drags in two views are two edits, also within one gesture") {
   const auto rig = compiled_rig(parsed_rig(kUiRig));
   UiDesk desk(rig.rig, rig.compiled);

@@ -173,6 +173,21 @@ TEST_CASE("keys of outputs act while a handle is dragged, Escape cancels the dra
   CHECK(canceling_key(keys, {true, false, true}) == nullptr);
 }
 
+TEST_CASE("keys of views wait while the mouse is held on the stage or the camera flies, and others do not") {
+  const KeyPress next{GLFW_KEY_TAB, 0, false};
+  const KeyPress split{GLFW_KEY_V, GLFW_MOD_SHIFT, false};
+  KeyHolders pressed;
+  pressed.press = true;
+  KeyHolders flies;
+  flies.fly = true;
+  for (const KeyPress& key : {next, split}) {
+    CHECK(turn_of(key, {}) == KeyTurn::kActs);
+    CHECK(turn_of(key, pressed) == KeyTurn::kNothing);
+    CHECK(turn_of(key, flies) == KeyTurn::kNothing);
+  }
+  CHECK(turn_of({GLFW_KEY_F2, 0, false}, pressed) == KeyTurn::kActs);
+}
+
 TEST_CASE("while the camera flies letters do nothing, but for its end, storing the view, outputs and Ctrl") {
   KeyHolders holders;
   holders.fly = true;

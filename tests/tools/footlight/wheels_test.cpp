@@ -144,12 +144,18 @@ TEST_CASE("a full shelf gives the place of what was not shown for the longest ti
   };
   for (int i = 0; i < kAll + 2; ++i) (void)ask(0, kAll);
   CHECK(ask(0, kAll) == kAll);
+  int made = 0;
   for (int i = 0; i < 4; ++i) {
-    CHECK(!shelf.find(fmt::format("{:03}", kAll), [] { return grey(1); }));  // one more has no place
+    CHECK(!shelf.find(fmt::format("{:03}", kAll), [&made] {
+      ++made;
+      return grey(1);
+    }));  // one more has no place
     CHECK(ask(0, kAll) == kAll);
   }
+  CHECK(made == 0);
   // Without the first one there is room.
   for (int i = 0; i < 4; ++i) (void)ask(1, kAll + 1);
+  CHECK(made == 1);
   CHECK(ask(1, kAll + 1) == kAll);
   CHECK(ask(0, 1) == 0);
 }
@@ -168,7 +174,7 @@ class WheelsUi final : public testing::DrawnUi {
  private:
   void draw() override {
     ImGui::SetNextWindowPos({0, 0});
-    ImGui::SetNextWindowSize({600, 400});
+    ImGui::SetNextWindowSize({600, height});
     ImGui::SetNextItemOpen(true);
     UiInput input;
     input.levels = levels;
@@ -189,7 +195,18 @@ class WheelsUi final : public testing::DrawnUi {
   UiDesk desk;
   std::vector<std::uint8_t> levels;
   PictureShelf shelf;
+  float height = 400;
 };
+
+TEST_CASE("slots that are scrolled away ask for no pictures") {
+  WheelsUi ui;
+  ui.height = 40;
+  for (int i = 0; i < 5; ++i) ui.frame();
+  CHECK(ui.shelf.revision() == 0);
+  ui.height = 400;
+  for (int i = 0; i < 5; ++i) ui.frame();
+  CHECK(ui.shelf.revision() > 0);
+}
 
 TEST_CASE("a click on a slot takes its channel over for all selected fixtures") {
   WheelsUi ui;

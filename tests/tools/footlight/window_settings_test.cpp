@@ -13,6 +13,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/tools/footlight/ui_rigs.h"
 #include "tools/footlight/preview/dropped_file.h"
+#include "tools/footlight/preview/preview.h"
 
 namespace footlight::tools {
 namespace {
@@ -41,6 +42,25 @@ TEST_CASE("settings are read as they were written, in a folder that is made, and
   CHECK(*again == settings);
   CHECK(window_settings_path("").empty());
   CHECK(save_window_settings("", settings));
+}
+
+TEST_CASE("the next window looks as the user left the one before, where options set it") {
+  WindowSettings settings;
+  settings.theme = UiTheme::kLight;
+  settings.ui_percent = 150;
+  settings.views = 2;
+  PreviewOptions options;
+  keep_look(options, settings);
+  CHECK(options.theme.empty());
+  CHECK(!options.ui_percent);
+  CHECK(!options.views);
+  options.theme = "dark";
+  options.ui_percent = 200;
+  options.views = 4;
+  keep_look(options, settings);
+  CHECK(options.theme == "light");
+  CHECK(options.ui_percent == 150);
+  CHECK(options.views == 2);
 }
 
 TEST_CASE("settings that are wrong name the line and what is expected") {

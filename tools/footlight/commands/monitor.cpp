@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include <unistd.h>
@@ -31,7 +32,7 @@ struct Options {
   std::string socket;
   std::string filter;
   std::string rig;  // that explains slots; empty: none
-  Address slot = 1;
+  std::optional<int> slot;  // an address of it; nothing: the first one
   int columns = 0;
   int rows = 0;
   DurationNs period_ns = 0;
@@ -291,6 +292,13 @@ Result<int> print(const Options& options, Clock& clock, Watcher& watcher, const 
 }
 
 Result<int> monitor(const Options& options) {
+  if (options.slot && options.rig.empty()) {
+    return fail(ErrorCode::kBadInput, "monitor --slot {}: a rig says what it is for; add --rig FILE", *options.slot);
+  }
+  if (options.json && !options.rig.empty()) {
+    return fail(ErrorCode::kBadInput, "monitor --rig {}: --json prints all levels and explains no slot; remove one",
+                printable_line(options.rig));
+  }
   SystemClock clock;
   FL_ASSIGN(const SlotMeanings meanings, SlotMeanings::of(options.rig));
   FL_ASSIGN(const std::unique_ptr<Feed> feed, open_feed(options, clock));
@@ -300,7 +308,7 @@ Result<int> monitor(const Options& options) {
   view.columns = options.columns;
   view.rows = options.rows;
   view.explains = meanings.has_rig();
-  view.slot = options.slot - 1;
+  view.slot = options.slot.value_or(1) - 1;
   Watcher watcher(*feed, clock, state);
   if (options.json && !state.note.empty()) fmt::print(stderr, "footlight: {}\n", printable_line(state.note));
   if (options.json || options.once) return print(options, clock, watcher, meanings, state, view);
@@ -315,8 +323,10 @@ void add(Arguments& arguments) {
   arguments.list("--in,-i", options->ins, "ENDPOINT", "the same, as for 'footlight run'");
   arguments.option("--socket", options->socket, "FILE", "the socket of the bridge, if several run");
   arguments.option("--filter", options->filter, "TEXT", "universes (1-9), or a part of a sender's name");
-  arguments.option("--rig", options->rig, "FILE", "a rig that says what a slot is for; left and right choose the slot");
-  arguments.option("--slot", options->slot, 1, kSlotCountMax, "the slot that is explained at the start");
+  arguments.option("--rig", options->rig, "FILE",
+                   "a rig that says what a slot is for; left and right choose the slot; not with --json");
+  arguments.option("--slot", options->slot, 1, kSlotCountMax,
+                   "the slot that is explained at the start, with --rig; default: 1");
   arguments.duration("--period", options->period_ns, "update period; default: 100ms on a terminal, else 1s");
   arguments.duration("--for", options->run_for_ns, "end after this time");
   arguments.flag("--wait-for-device", options->wait_for_device, "start even if a device is not plugged in yet");

@@ -207,7 +207,7 @@ Result<int> receive(const MvrGroup::Member& member, const MvrCommit& commit, con
   request.type = drivers::MvrMessageType::kRequest;
   request.file_uuid = commit.file_uuid;
   if (!member.station.uuid.empty()) request.from_stations = {member.station.uuid};
-  ReceivedFile part(options.out, options.overwrite);
+  ReceivedFile part(options.out, {.overwrite = options.overwrite, .shows = true});
   FL_TRY(part.open());
   FL_ASSIGN(const auto client,
             MvrClient::open(member.station.name, member.station.address, request, clock.now_ns(), &part));

@@ -122,11 +122,7 @@ class MvrExchange::Work {
       : of_(of), options_(options), self_(own_mvr_station(options.station_name, "window")) {}
 
   void run(const std::stop_token& stop) {
-    if (options_.finds) {
-      auto opened = drivers::open_mvr_discovery();
-      if (opened) discovery_ = std::move(*opened);
-      if (!opened) trouble_ = window_words(opened.error().message);
-    }
+    open_discovery();
     group_ = std::make_unique<MvrGroup>(*self_, discovery_.get(), "", std::vector<drivers::MvrAddress>());
     std::vector<pollfd> waiting;
     while (!stop.stop_requested()) {
@@ -140,6 +136,18 @@ class MvrExchange::Work {
   }
 
  private:
+  // Without one, stations are named; the window shows why.
+  void open_discovery() {
+    trouble_.clear();
+    if (!options_.finds) return;
+    auto opened = options_.open_discovery ? options_.open_discovery() : drivers::open_mvr_discovery();
+    if (!opened) {
+      trouble_ = window_words(opened.error().message);
+      return;
+    }
+    discovery_ = std::move(*opened);
+  }
+
   struct Receiving {
     ReceivedFile part;
     std::unique_ptr<MvrClient> client;
@@ -200,7 +208,8 @@ class MvrExchange::Work {
 
   Status begin_receiving(const MvrGroup::Member& member, const Receive& request) {
     const std::string path = received_path(request.folder, request.wanted.name, member.station.name);
-    receiving_.reset(new Receiving{ReceivedFile(path, false), nullptr, printable_line(member.station.name), path});
+    receiving_.reset(new Receiving{ReceivedFile(path, {.overwrite = false, .shows = false}), nullptr,
+                                   printable_line(member.station.name), path});
     FL_TRY(receiving_->part.open());
     drivers::MvrMessage message;
     message.type = drivers::MvrMessageType::kRequest;
@@ -276,9 +285,7 @@ class MvrExchange::Work {
     group_.reset();
     discovery_.reset();
     self_.emplace(own_mvr_station(options_.station_name, "window"));
-    if (options_.finds) {
-      if (auto opened = drivers::open_mvr_discovery()) discovery_ = std::move(*opened);
-    }
+    open_discovery();
     group_ = std::make_unique<MvrGroup>(*self_, discovery_.get(), "", named);
   }
 

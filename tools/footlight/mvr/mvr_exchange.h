@@ -1,5 +1,5 @@
 // MVR-xchange beside a window: a thread of its own finds stations, receives rigs and shares one. The window's thread
-// asks and looks, and waits for nothing but the end.
+// asks and looks, and waits for nothing but the end of the object.
 //
 // Threads: one calls; the work is on another one.
 #pragma once
@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -36,6 +37,8 @@ class MvrExchange {
  public:
   struct Options {
     bool finds = true;              // by Avahi; else stations are named
+    // In place of Avahi, for tests. On the thread.
+    std::function<Result<std::unique_ptr<drivers::MvrDiscovery>>()> open_discovery = nullptr;
     std::uint32_t listen_ipv4 = 0;  // where a rig is shared; 0: on all interfaces
     std::string station_name;       // empty: as of own_mvr_station()
   };
@@ -51,7 +54,8 @@ class MvrExchange {
   };
 
   explicit MvrExchange(const Options& options);
-  // Leaves the stations, and waits for their answers for half a second.
+  // Leaves the stations, and waits for their answers for half a second. Waits as well for what the thread is at: a name
+  // that is resolved, the file that is made to be shared, or a received file that is written and read as a rig.
   ~MvrExchange();
   MvrExchange(const MvrExchange&) = delete;
   MvrExchange& operator=(const MvrExchange&) = delete;

@@ -24,11 +24,11 @@ bool rename_new(const std::string& from, const std::string& to) {
 
 }  // namespace
 
-ReceivedFile::ReceivedFile(std::string path, bool overwrite)
+ReceivedFile::ReceivedFile(std::string path, const Options& options)
     : path_(std::move(path)),
       part_(fixtures::part_name(path_) + ".mvr"),
-      overwrite_(overwrite),
-      shows_(::isatty(STDERR_FILENO) != 0) {}
+      overwrite_(options.overwrite),
+      shows_(options.shows && ::isatty(STDERR_FILENO) != 0) {}
 
 ReceivedFile::~ReceivedFile() {
   if (file_ != nullptr) std::fclose(file_);

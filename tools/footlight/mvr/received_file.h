@@ -13,8 +13,11 @@ namespace footlight::tools {
 
 class ReceivedFile final : public drivers::MvrFileSink {
  public:
-  // `overwrite`: replaces the file at `path`; else a file that is there when this one is whole stays.
-  ReceivedFile(std::string path, bool overwrite);
+  struct Options {
+    bool overwrite = false;  // replaces the file at `path`; else a file that is there when this one is whole stays
+    bool shows = false;      // how far it is, on standard error if this is a terminal
+  };
+  ReceivedFile(std::string path, const Options& options);
   // Removes what was not finished.
   ~ReceivedFile() override;
   ReceivedFile(const ReceivedFile&) = delete;
@@ -34,7 +37,7 @@ class ReceivedFile final : public drivers::MvrFileSink {
   const std::string path_;
   const std::string part_;  // ends in ".mvr", so that the reader expects one
   const bool overwrite_;
-  const bool shows_;  // how far it is, in a terminal
+  const bool shows_;
   std::FILE* file_ = nullptr;
   bool part_exists_ = false;
   std::uint64_t bytes_ = 0;

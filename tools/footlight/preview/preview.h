@@ -48,6 +48,10 @@ struct PreviewOptions {
   std::string news;  // a message of the window at its start; empty: none
 };
 
+// The looks that options set for the session, as the user has left them in a window: for the next window of it. What no
+// option sets is read from the settings.
+void keep_look(PreviewOptions& options, const WindowSettings& settings);
+
 // Opens the window and returns an ExitCode when it is closed.
 [[nodiscard]] Result<int> run_preview(const PreviewOptions& options);
 

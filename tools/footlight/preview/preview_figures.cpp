@@ -116,9 +116,13 @@ void Preview::print_summary() {
   fmt::print("{}\n", line.dump());
 }
 
-// The window as shown; only the picture if the window system does not allow reading the window.
+// The window as shown; only the picture of a single view if the window system does not allow reading the window.
 Status Preview::write_shot() {
   FL_ASSIGN(render::ScreenImage image, window_->read_shot());
+  if (image.rgba.empty() && desk_->views() > 1) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: this window system does not let windows be read; --views 1 saves one view", options_.screenshot);
+  }
   if (image.rgba.empty()) {
     FL_ASSIGN(image, frame_->read_screen());
   }

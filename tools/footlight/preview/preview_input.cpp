@@ -140,7 +140,7 @@ bool Preview::take_handles() {
   input.place = stage();
   input.levels = panel_levels();
   input.mouse = {io.MousePos.x, io.MousePos.y};
-  input.over_stage = !io.WantCaptureMouse;
+  input.over_stage = over_active_view();
   input.pressed = ImGui::IsMouseClicked(ImGuiMouseButton_Left);
   input.down = ImGui::IsMouseDown(ImGuiMouseButton_Left);
   input.snaps = io.KeyCtrl;
@@ -154,7 +154,7 @@ bool Preview::take_box(bool handle) {
   BoxInput input;
   input.place = stage();
   input.mouse = {io.MousePos.x, io.MousePos.y};
-  input.over_stage = !io.WantCaptureMouse && !handle;
+  input.over_stage = over_active_view() && !handle;
   input.pressed = ImGui::IsMouseClicked(ImGuiMouseButton_Left);
   input.down = ImGui::IsMouseDown(ImGuiMouseButton_Left);
   input.ctrl = io.KeyCtrl;
@@ -179,7 +179,7 @@ void Preview::take_mouse() {
   for (int button = 0; button < static_cast<int>(pressed_on_stage_.size()); ++button) {
     bool& on_stage = pressed_on_stage_[static_cast<std::size_t>(button)];
     if (ImGui::IsMouseClicked(button)) {
-      on_stage = !io.WantCaptureMouse && !handle;
+      on_stage = over_active_view() && !handle;
       continue;  // how the mouse moved before does not count
     }
     const bool ends = !ImGui::IsMouseDown(button);
@@ -226,7 +226,7 @@ void Preview::take_input(bool typing, DurationNs dt_ns) {
   take_drops();
   const auto holders = [&] {
     return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_ || asked_next_.has_value(),
-                      handles_.dragging() || box_.dragging(), desk_->fly().on()};
+                      handles_.dragging() || box_.dragging(), desk_->fly().on(), pressed_on_stage()};
   };
   // Before the mouse: Escape with the release of a drag in one picture puts it back.
   const KeyPress* const cancels = canceling_key(window_->keys(), holders());
@@ -243,14 +243,20 @@ void Preview::take_input(bool typing, DurationNs dt_ns) {
   }
 }
 
+// back: undo, else redo.
+void Preview::step_history(bool back) {
+  const int view = desk_->state().view;
+  const char* const word = back ? "undo" : "redo";
+  const std::string edit = back ? desk_->undo() : desk_->redo();
+  tell(edit.empty() ? fmt::format("nothing to {}", word) : fmt::format("{}: {}", word, edit));
+  if (desk_->state().view != view) pressed_on_stage_.fill(false);  // a drag of the camera does not change its view
+}
+
 void Preview::call(const UiCall& call) {
   if (call_outputs(call)) return;
-  const auto tell_edit = [&](const char* word, const std::string& edit) {
-    tell(edit.empty() ? fmt::format("nothing to {}", word) : fmt::format("{}: {}", word, edit));
-  };
   switch (call.action) {
-    case UiAction::kUndo: tell_edit("undo", desk_->undo()); break;
-    case UiAction::kRedo: tell_edit("redo", desk_->redo()); break;
+    case UiAction::kUndo: step_history(true); break;
+    case UiAction::kRedo: step_history(false); break;
     case UiAction::kSave: save(); break;
     case UiAction::kDelete:
       if (std::string news = delete_selected(*desk_); !news.empty()) tell(std::move(news));
@@ -360,7 +366,7 @@ void Preview::draw_measures() {
   if (!measure.on) return;
   std::optional<glm::dvec3> under_m;
   const ImGuiIO& io = ImGui::GetIO();
-  if (!io.WantCaptureMouse && measure.from_m && !measure.to_m) {
+  if (over_active_view() && measure.from_m && !measure.to_m) {
     under_m = measured_point(edited_->scene()->rig, pick(), where, {io.MousePos.x, io.MousePos.y});
   }
   draw_measure(measure, under_m, where, window_->ui_scale());

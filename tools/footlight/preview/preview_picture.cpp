@@ -36,11 +36,13 @@ double Preview::haze_per_m() const {
 Status Preview::follow_flashes() {
   const FlashMode mode = desk_->flashes();
   const bool limits = mode == FlashMode::kLimit;
+  bool changes = false;
   for (int i = 0; i < kViewsMax; ++i) {
     View& view = views_[static_cast<std::size_t>(i)];
     const bool wanted = mode != FlashMode::kOff && i < desk_->views();
     if (wanted ? view.flashes && view.flashes->limits() == limits : !view.flashes) continue;
-    view.flashes_held = facts_.flashes_harmful = facts_.flashes_held = false;
+    view.flashes_held = false;
+    changes = true;
     if (wanted && view.flashes) {
       view.flashes->set_limits(limits);  // it remembers the flashes that were shown
       continue;
@@ -49,6 +51,7 @@ Status Preview::follow_flashes() {
     if (!wanted) continue;
     FL_ASSIGN(view.flashes, PreviewFlashes::make(*device_, limits));
   }
+  if (changes) tell_flashes(false);  // the marks of the other views stay
   return {};
 }
 

@@ -60,6 +60,7 @@ Status Preview::work_at_index() {
 // A small picture of the log in place of one of the stage, while the timeline may be open.
 Status Preview::begin_thumbnail() {
   if (!player_ || !panels_.any_open() || is_rough_ || picture_ns_ < 0) return {};
+  if (outputs_ && outputs_view_.any_on()) return {};  // nothing steps meanwhile, and lamps would stand still
   const bool paused = !controls_.transport.playing;
   if (!thumbnails_.is_due(last_ns_, player_->index(), player_->duration_ns(), paused)) return {};
   if (desk_->cameras().empty()) return {};

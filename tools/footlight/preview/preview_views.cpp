@@ -32,8 +32,10 @@ void Preview::set_views(int views) {
   cancel_drags();
 }
 
-// next: makes the next one active; else changes their number.
+// next: makes the next one active; else changes their number. A drag of the camera and a flight stay in their view,
+// also where a menu or the palette calls.
 void Preview::call_views(bool next) {
+  if (pressed_on_stage() || desk_->fly().on()) return;
   if (next) return desk_->activate_view((desk_->state().view + 1) % desk_->views());
   set_views(next_view_count(desk_->views()));
 }
@@ -55,15 +57,29 @@ void Preview::take_active_view() {
   const ImGuiIO& io = ImGui::GetIO();
   if (desk_->views() == 1 || io.WantCaptureMouse || handles_.dragging() || box_.holds() || desk_->fly().on()) return;
   bool acts = io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || io.MouseWheel != 0;
+  if (pressed_on_stage()) return;
   for (int button = 0; button < static_cast<int>(pressed_on_stage_.size()); ++button) {
-    if (pressed_on_stage_[static_cast<std::size_t>(button)]) return;
     acts = acts || ImGui::IsMouseClicked(button);
   }
   if (!acts) return;
+  desk_->activate_view(view_under_mouse());
+}
+
+// -1: none.
+int Preview::view_under_mouse() const {
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
   const float scale = window_->pixels_per_unit();
-  const int view = view_at(place(), desk_->views(), static_cast<int>(io.MousePos.x * scale),
-                           static_cast<int>(io.MousePos.y * scale));
-  desk_->activate_view(view);
+  return view_at(place(), desk_->views(), static_cast<int>(mouse.x * scale), static_cast<int>(mouse.y * scale));
+}
+
+// Whether presses and what follows the mouse are in the picture of stage(): while the camera flies, the mouse may be
+// over another view.
+bool Preview::over_active_view() const {
+  return !ImGui::GetIO().WantCaptureMouse && (desk_->views() == 1 || view_under_mouse() == desk_->state().view);
+}
+
+bool Preview::pressed_on_stage() const {
+  return std::any_of(pressed_on_stage_.begin(), pressed_on_stage_.end(), [](bool pressed) { return pressed; });
 }
 
 // Whether each view has had a picture that is not rough.

@@ -277,7 +277,7 @@ Status Preview::read_picture() {
     facts_.error = error_->estimate();
     facts_.passes.push_back({"error", error_->gpu_ms()});
   }
-  if (reports()) read_report(gpu_ms);
+  if (reports() && drawn_view_ == desk_->state().view) read_report(gpu_ms);
   render::CountsRow counts{};
   std::memcpy(&counts, counts_.mapped, sizeof(counts));
   facts_.live_beams = counts.live_count;
@@ -295,7 +295,8 @@ void Preview::read_second() {
   if (last_ns_ - facts_.now_ns < kFactsNs) return;  // ages that change more often cannot be read, and cost a redraw
   facts_.now_ns = last_ns_;
   facts_.room_haze_per_m = haze_per_m();
-  if (const fixtures::MachineAir* air = frame_->machine_air(); air != nullptr) {
+  // During a small picture the frame has the air of another time.
+  if (const fixtures::MachineAir* air = frame_->machine_air(); air != nullptr && !thumbnails_.in_flight()) {
     facts_.machines = air->count();
     facts_.machine_haze_per_m = air->haze_per_m();
     facts_.machine_fog_per_m = air->fog_per_m();
@@ -452,6 +453,7 @@ Status Preview::replace_stage() {
   frame_.reset();
   for (View& view : views_) view.flashes.reset();
   facts_.flashes_held = false;
+  compiles_whole_ = false;  // while pictures are rough, those of the new device are compiled
   counts_ = {};
   device_.reset();
   FL_TRY(open_device());
@@ -484,6 +486,7 @@ void leave_to_next(PreviewOptions& options, const Preview& preview) {
   if (options.seconds > 0) options.seconds = std::max(options.seconds - preview.seconds(), kSecondsLeast);
   options.ins = preview.inputs();
   if (const auto flashes = preview.flashes()) options.flashes = *flashes;
+  keep_look(options, preview.settings());
 }
 
 // The options of a window that opens another rig or log.

@@ -27,7 +27,7 @@
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/displays/display_videos.h"
 #include "tools/footlight/edit/autosave.h"
-#include "tools/footlight/mvr/mvr_exchange.h"
+#include "tools/footlight/mvr/exchange_follower.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/edited_scene.h"
 #include "tools/footlight/preview/frame_times.h"
@@ -80,6 +80,9 @@ class Preview {
   [[nodiscard]] std::optional<FlashMode> flashes() const {
     return desk_ ? std::optional(desk_->flashes()) : std::nullopt;
   }
+
+  // The looks of the window, once it has opened.
+  [[nodiscard]] const WindowSettings& settings() const { return settings_; }
 
   // The options outlive this.
   explicit Preview(const PreviewOptions& options);
@@ -222,6 +225,7 @@ class Preview {
   void show_handles(bool on);
   void compare_from_here();
   void draw_measures();
+  void step_history(bool back);
   void call(const UiCall& call);
   void take_camera(std::size_t index);
   void show_cameras();
@@ -245,6 +249,9 @@ class Preview {
   void call_views(bool next);
   Status follow_views();
   void take_active_view();
+  [[nodiscard]] int view_under_mouse() const;
+  [[nodiscard]] bool over_active_view() const;
+  [[nodiscard]] bool pressed_on_stage() const;
   [[nodiscard]] bool shows_all() const;
   void draw_views();
   [[nodiscard]] const StagePick& pick();
@@ -375,9 +382,8 @@ class Preview {
   bool discards_ = false;
   bool times_out_ = false;  // --seconds have passed
 
-  std::unique_ptr<MvrExchange> exchange_;  // while the user looks at stations, or something is exchanged
+  ExchangeFollower exchange_;
   ExchangeView exchange_view_;
-  TimeNs exchange_seen_ns_ = 0;     // when the user looked last
   std::optional<Next> asked_next_;  // while the question is open
   std::optional<Next> next_;
   OpenQuestion open_question_;

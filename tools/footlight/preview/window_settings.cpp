@@ -11,6 +11,7 @@
 #include "fixtures/files/import/archive.h"
 #include "fixtures/files/toml/toml_reader.h"
 #include "fixtures/files/toml/toml_text.h"
+#include "tools/footlight/preview/preview.h"
 #include "tools/footlight/preview/ui/stage_views.h"
 
 namespace footlight::tools {
@@ -96,6 +97,12 @@ Status save_window_settings(const std::string& path, const WindowSettings& setti
   std::error_code trouble;
   std::filesystem::create_directories(std::filesystem::path(path).parent_path(), trouble);
   return fixtures::write_file(path, text_of(settings));
+}
+
+void keep_look(PreviewOptions& options, const WindowSettings& settings) {
+  if (!options.theme.empty()) options.theme = word_of(settings.theme);
+  if (options.ui_percent) options.ui_percent = settings.ui_percent;
+  if (options.views) options.views = settings.views;
 }
 
 }  // namespace footlight::tools

@@ -87,7 +87,10 @@ Status Window::set_pictures(PictureShelf& pictures) {
   if (fonts_are_old_) FL_TRY(remake_fonts());
   const ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   const ImFontAtlasCustomRect& rect = atlas.CustomRects[shelf_rect_];
-  if (!rect.IsPacked()) return {};  // no room: panels have no pictures
+  if (!rect.IsPacked()) {  // no room: panels have no pictures
+    pictures.area.reset();
+    return {};
+  }
   const auto width = static_cast<float>(atlas.TexWidth);
   const auto height = static_cast<float>(atlas.TexHeight);
   pictures.area = PictureShelf::Place{rect.X / width, rect.Y / height, (rect.X + rect.Width) / width,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include <fmt/format.h>
@@ -46,11 +47,12 @@ struct UniverseMaps::Place {
 // The levels of the page: of the kept moment B if there is one.
 void UniverseMaps::take(const UiDesk& desk, const UiInput& input, bool frozen) {
   const auto& universes = desk.compiled().universes;
-  const bool fresh = taken_first_ != first_;
+  const std::size_t count = std::min(universes.size() - first_, kOnPage);
+  const auto page = std::span(universes).subspan(first_, count);
+  const bool fresh = !taken_ || !std::equal(page.begin(), page.end(), taken_->begin(), taken_->end());
   const auto& b = desk.comparison().b;
   const bool keeps = b && desk.comparison().a;
   if (frozen && !fresh && !keeps) return;
-  const std::size_t count = std::min(universes.size() - first_, kOnPage);
   if (fresh || keeps) maps_.assign(count, {});
   maps_.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -64,7 +66,8 @@ void UniverseMaps::take(const UiDesk& desk, const UiInput& input, bool frozen) {
     maps_[i].take(input.levels.subspan(from, kSlotCountMax), input.now_ns, fresh);
   }
   now_ns_ = input.now_ns;
-  taken_first_ = keeps ? SIZE_MAX : first_;  // what comes after it begins anew
+  taken_.reset();  // what comes after a kept moment begins anew
+  if (!keeps) taken_.emplace(page.begin(), page.end());
 }
 
 void UniverseMaps::draw_map(UiDesk& desk, const UiInput& input, std::size_t index, const Place& place) const {

@@ -21,7 +21,7 @@ class UniverseMaps {
   // Of the page with this universe. `universe` counts in CompiledRig::universes.
   void turn_to(std::size_t universe) { first_ = universe / kOnPage * kOnPage; }
   [[nodiscard]] std::size_t first() const { return first_; }
-  // Returns the universe that was clicked. frozen: the levels stay as they are.
+  // Returns the universe that was clicked. frozen: the levels stay as they are, while the page has the same universes.
   [[nodiscard]] std::optional<std::size_t> draw(UiDesk& desk, const UiInput& input, bool frozen,
                                                 const MomentDifference& difference);
 
@@ -31,7 +31,7 @@ class UniverseMaps {
   void draw_map(UiDesk& desk, const UiInput& input, std::size_t index, const Place& place) const;
 
   std::size_t first_ = 0;
-  std::size_t taken_first_ = SIZE_MAX;  // of what maps_ have
+  std::optional<std::vector<Universe>> taken_;  // that maps_ are of; nothing: of a kept moment
   std::vector<SlotChanges> maps_;
   TimeNs now_ns_ = 0;  // of maps_
 };

@@ -72,11 +72,12 @@ void draw_choice(UiDesk& desk, const UiInput& input, int lead, const WheelChoice
     ImGui::PushID(static_cast<int>(i));
     if (ImGui::InvisibleButton("slot", {side, side})) desk.take(key, slot.raw, input.levels);
     const bool hovered = ImGui::IsItemHovered();
+    const bool visible = ImGui::IsItemVisible();  // else it is scrolled away, and needs no place of the shelf
     ImGui::PopID();
     ImDrawList& draw = *ImGui::GetWindowDrawList();
     const ImVec2 high{low.x + side, low.y + side};
     draw.AddRectFilled(low, high, ImGui::GetColorU32(hovered ? ImGuiCol_FrameBgHovered : ImGuiCol_FrameBg), 3);
-    draw_look(slot, input.pictures, low, side);
+    draw_look(slot, visible ? input.pictures : nullptr, low, side);
     if (raw >= slot.raw_from && raw <= slot.raw_to) draw.AddRect(low, high, ImGui::GetColorU32(kUiAmber), 3, 0, 2);
     if (hovered) ImGui::SetTooltip("%d: %s", slot.number, slot.name.c_str());
   }

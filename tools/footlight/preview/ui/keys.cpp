@@ -178,6 +178,7 @@ KeyTurn turn_of(const KeyPress& press, const KeyHolders& holders) {
   if (action == A::kBlackout || action == A::kEndBlackout || action == A::kDisarm) return KeyTurn::kActs;
   const bool letter = press.code >= GLFW_KEY_A && press.code <= GLFW_KEY_Z && (press.mods & GLFW_MOD_CONTROL) == 0;
   if (holders.fly && letter && action != A::kFly && action != A::kStoreCamera) return KeyTurn::kNothing;
+  if ((holders.press || holders.fly) && action == A::kViews) return KeyTurn::kNothing;
   if (holders.drag) return action == A::kEscape ? KeyTurn::kCancelsDrag : KeyTurn::kNothing;
   return holders.question && action != A::kEscape ? KeyTurn::kNothing : KeyTurn::kActs;
 }

@@ -100,9 +100,11 @@ struct KeyHolders {
   bool question = false;  // whether to close
   bool drag = false;      // of a handle or a rectangle
   bool fly = false;       // letters move the camera
+  bool press = false;     // a button of the mouse is held that was pressed on the stage
 };
 enum class KeyTurn { kNothing, kActs, kCancelsDrag };
-// Keys of outputs (blackout, its end, disarm) act during a drag and a question as well.
+// Keys of outputs (blackout, its end, disarm) act during a drag and a question as well. Keys of views wait while the
+// mouse is held or the camera flies: both stay in their view.
 [[nodiscard]] KeyTurn turn_of(const KeyPress& press, const KeyHolders& holders);
 // The first key that cancels a drag; nullptr: there is none.
 [[nodiscard]] const KeyPress* canceling_key(std::span<const KeyPress> keys, const KeyHolders& holders);

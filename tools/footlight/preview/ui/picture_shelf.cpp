@@ -55,7 +55,7 @@ void PictureShelf::step() {
       put(*cell, *made);
     }
   }
-  if (!making_.valid()) {
+  if (!making_.valid() && has_room()) {  // else what is made would have no place, and be made again
     // Of those that are still wanted.
     const auto next = std::find_if(entries_.begin(), entries_.end(),
                                    [&](const auto& one) { return one.second.waits && one.second.asked == frame_; });
@@ -73,13 +73,23 @@ void PictureShelf::step() {
   ++frame_;
 }
 
-std::optional<int> PictureShelf::free_cell() {
-  const auto free = std::find(used_.begin(), used_.end(), false);
-  if (free != used_.end()) return static_cast<int>(free - used_.begin());
+// What was not shown for the longest time; null: all is shown.
+PictureShelf::Entry* PictureShelf::oldest_entry() {
   Entry* oldest = nullptr;
   for (auto& [key, entry] : entries_) {
     if (entry.cell && entry.asked != frame_ && (oldest == nullptr || entry.asked < oldest->asked)) oldest = &entry;
   }
+  return oldest;
+}
+
+bool PictureShelf::has_room() {
+  return std::find(used_.begin(), used_.end(), false) != used_.end() || oldest_entry() != nullptr;
+}
+
+std::optional<int> PictureShelf::free_cell() {
+  const auto free = std::find(used_.begin(), used_.end(), false);
+  if (free != used_.end()) return static_cast<int>(free - used_.begin());
+  Entry* oldest = oldest_entry();
   if (oldest == nullptr) return std::nullopt;
   return std::exchange(oldest->cell, std::nullopt);
 }

@@ -62,6 +62,8 @@ class PictureShelf {
     std::function<Result<ShelfPicture>()> make;  // kept: a key may name what it owns
   };
 
+  [[nodiscard]] Entry* oldest_entry();
+  [[nodiscard]] bool has_room();
   [[nodiscard]] std::optional<int> free_cell();
   void put(int cell, const ShelfPicture& picture);
 

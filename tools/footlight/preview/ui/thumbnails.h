@@ -1,6 +1,7 @@
 // Small pictures of the show over a log, by time: which there are, which is made next, and how they are drawn.
 //
-// Dear ImGui 1.86 draws no images with Vulkan but its font, so a picture is a mesh with a colour at each corner.
+// Dear ImGui 1.86 draws no images with Vulkan but its font, so a picture is a mesh with a colour at each corner. The
+// shelf beside the glyphs (picture_shelf.h) has cells of 64 x 64 only.
 // Knows no GPU. One thread.
 #pragma once
 

@@ -107,9 +107,22 @@ Status UiDesk::add(const fixtures::NewFixtures& row) {
   return edit_and_select_added(fixtures::add_fixtures(edited(), row));
 }
 
+// A movement in a view that is closed, which nobody sees.
+bool UiDesk::is_hidden(const UiCommand* command) const {
+  const auto* move = command != nullptr ? std::get_if<MoveCamera>(command) : nullptr;
+  return move != nullptr && !move->exposure_ev && move->view.value_or(0) >= std::max(views_, 1);
+}
+
+// What moves is seen: the view of a movement becomes the active one.
+void UiDesk::show_view_of(const UiCommand& command) {
+  if (const auto* move = std::get_if<MoveCamera>(&command)) activate_view(move->view.value_or(state_.view));
+}
+
 std::string UiDesk::undo() {
   const UiCommand* command = history_.undo(state_);
+  while (is_hidden(command)) command = history_.undo(state_);
   if (command == nullptr) return "";
+  show_view_of(*command);
   if (const Status made = follow_rig(*command); !made) {
     history_.redo(state_);
     return made.error().message;
@@ -119,7 +132,9 @@ std::string UiDesk::undo() {
 
 std::string UiDesk::redo() {
   const UiCommand* command = history_.redo(state_);
+  while (is_hidden(command)) command = history_.redo(state_);
   if (command == nullptr) return "";
+  show_view_of(*command);
   if (const Status made = follow_rig(*command); !made) {
     history_.undo(state_);
     return made.error().message;
@@ -212,6 +227,7 @@ void UiDesk::set_views(int views) {
 
 void UiDesk::activate_view(int view) {
   if (view < 0 || view >= std::max(views_, 1) || view == state_.view) return;
+  fly_.set_on(false);  // a flight ends with its view
   state_.cameras[static_cast<std::size_t>(state_.view)] = state_.camera;
   state_.camera = state_.cameras[static_cast<std::size_t>(view)];
   state_.view = view;

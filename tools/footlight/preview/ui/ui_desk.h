@@ -98,7 +98,7 @@ class UiDesk {
   }
 
   // Views of the stage: 1, 2 or 4, with a camera each. That of UiState and of the commands below is of the active one.
-  // These are no commands.
+  // These are no commands. A flight ends when another view becomes active.
   [[nodiscard]] int views() const { return views_; }
   void set_views(int views);
   void activate_view(int view);
@@ -198,6 +198,8 @@ class UiDesk {
   void run_taken(TakeChannels command);
 
   [[nodiscard]] Status follow_rig(const UiCommand& command);
+  [[nodiscard]] bool is_hidden(const UiCommand* command) const;
+  void show_view_of(const UiCommand& command);
   Status edit_and_select_added(Result<fixtures::RigEdit> one);
 
   const fixtures::Rig* rig_;
