@@ -22,7 +22,8 @@ void footlight::testing::add_seeds(Seeds& seeds) {
   quad.texture_words = R"(,"extensions":{"KHR_texture_transform":{"offset":[0,1],"rotation":1,"scale":[2,2]}})";
   seeds.add("print.glb", quad_glb(quad));
   // The image ends after its buffer.
-  quad.edits = {{fmt::format(R"("byteOffset":92,"byteLength":{})", png.size()), R"("byteOffset":92,"byteLength":4096)"}};
+  const std::string view = fmt::format(R"("byteOffset":92,"byteLength":{})", png.size());
+  quad.edits = {{view, R"("byteOffset":92,"byteLength":4096)"}};
   seeds.add("beyond.glb", quad_glb(quad));
   seeds.add("strip.gltf",
             R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
