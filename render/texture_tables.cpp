@@ -39,22 +39,22 @@ std::uint32_t add_levels(fixtures::PaneImage image, std::vector<std::uint32_t>& 
 
 ObjectTextures object_textures(const fixtures::Mesh& scene) {
   ObjectTextures made;
-  std::map<const fixtures::MeshTexture*, TextureRow> known;
+  std::map<const fixtures::RgbImage*, TextureRow> known;
   for (const fixtures::MeshMaterial& material : scene.materials) {
     made.material.push_back(FL_NONE);
     if (!material.texture) continue;
     const fixtures::MeshTexture& texture = *material.texture;
-    const auto [place, is_new] = known.try_emplace(&texture);
+    const auto [place, is_new] = known.try_emplace(texture.image.get());
     if (is_new) {
       place->second.texel_first = static_cast<std::uint32_t>(made.texels.size());
-      place->second.width = static_cast<std::uint32_t>(texture.image.width);
-      place->second.height = static_cast<std::uint32_t>(texture.image.height);
-      const std::uint32_t levels = add_levels(light_of(texture.image), made.texels);
-      place->second.modes = levels | static_cast<std::uint32_t>(texture.wrap_u) << FL_TEXTURE_WRAP_U |
-                            static_cast<std::uint32_t>(texture.wrap_v) << FL_TEXTURE_WRAP_V;
+      place->second.width = static_cast<std::uint32_t>(texture.image->width);
+      place->second.height = static_cast<std::uint32_t>(texture.image->height);
+      place->second.modes = add_levels(light_of(*texture.image), made.texels);  // the number of levels
     }
     made.material.back() = static_cast<std::uint32_t>(made.rows.size());
     made.rows.push_back(place->second);
+    made.rows.back().modes |= static_cast<std::uint32_t>(texture.wrap_u) << FL_TEXTURE_WRAP_U |
+                              static_cast<std::uint32_t>(texture.wrap_v) << FL_TEXTURE_WRAP_V;
     made.rows.back().albedo = vec4(glm::clamp(material.albedo, 0.0f, 1.0f), 0);
   }
   if (made.rows.empty()) return made;

@@ -15,7 +15,7 @@ struct ObjectTextures {
   std::vector<glm::vec2> uvs;           // one a vertex; empty where no material has a texture
   std::vector<std::uint32_t> material;  // the row of each material; FL_NONE: it has a plain colour
 };
-// Images that several materials share are there once.
+// Images that several textures share are there once.
 [[nodiscard]] ObjectTextures object_textures(const fixtures::Mesh& scene);
 
 // Makes the three tables, none where there are no textures. Fails if a table of the device is too small for them.

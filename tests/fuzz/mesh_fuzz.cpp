@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "fixtures/bodies/mesh.h"
 #include "fixtures/gobos/png.h"
 #include "tests/fuzz/fuzz.h"
@@ -19,6 +21,10 @@ void footlight::testing::add_seeds(Seeds& seeds) {
   quad.image.assign(reinterpret_cast<const char*>(png.data()), png.size());
   quad.texture_words = R"(,"extensions":{"KHR_texture_transform":{"offset":[0,1],"rotation":1,"scale":[2,2]}})";
   seeds.add("print.glb", quad_glb(quad));
+  // The image ends after its buffer.
+  const std::string view = fmt::format(R"("byteOffset":92,"byteLength":{})", png.size());
+  quad.edits = {{view, R"("byteOffset":92,"byteLength":4096)"}};
+  seeds.add("beyond.glb", quad_glb(quad));
   seeds.add("strip.gltf",
             R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
             R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
@@ -43,7 +49,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   for (const fixtures::MeshMaterial& material : mesh->materials) {
     if (!material.texture) continue;
-    const fixtures::RgbImage& image = material.texture->image;
+    const fixtures::RgbImage& image = *material.texture->image;
     require(image.width > 0 && image.height > 0 && std::max(image.width, image.height) <= fixtures::kTexturePxMax);
     require(image.rgb.size() == 3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   }

@@ -99,7 +99,7 @@ std::string quad_glb(const TexturedQuad& quad) {
   for (const float value : quad.uvs) binary += f32_text(value);
   for (const int corner : {0, 1, 2, 0, 2, 3}) binary += u16_text(static_cast<std::uint16_t>(corner));
   binary += quad.image;
-  const std::string json = fmt::format(
+  std::string json = fmt::format(
       R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],)"
       R"("materials":[{{"name":"print","pbrMetallicRoughness":{{"baseColorFactor":[1,0.5,1,1],)"
       R"("baseColorTexture":{{"index":0{}}}}}}}],"textures":[{{"source":0,"sampler":0}}],"samplers":[{}],)"
@@ -113,6 +113,11 @@ std::string quad_glb(const TexturedQuad& quad) {
       R"({{"bufferView":2,"componentType":5123,"count":6,"type":"SCALAR"}}]}})",
       quad.texture_words, quad.sampler, quad.image_words, std::max<std::size_t>(binary.size(), 93),
       std::max<std::size_t>(quad.image.size(), 1), -x, x, quad.height_m);
+  for (const auto& [from, to] : quad.edits) {
+    const std::size_t at = json.find(from);
+    if (at == std::string::npos) return {};
+    json.replace(at, from.size(), to);
+  }
   return file_glb(json, quad.image.empty() ? binary + '\0' : binary);
 }
 

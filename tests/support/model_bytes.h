@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "fixtures/files/files.h"
@@ -38,6 +39,7 @@ struct TexturedQuad {
   std::string image_words = R"("mimeType":"image/png","bufferView":3)";  // of the image's row
   std::string sampler = "{}";
   std::string texture_words;  // added to the material's texture, with a comma before it
+  std::vector<std::pair<std::string, std::string>> edits;  // texts of the JSON, what replaces them; one missing: ""
 };
 [[nodiscard]] std::string quad_glb(const TexturedQuad& quad);
 
