@@ -140,8 +140,8 @@ struct PassEntry {
 }
 // Whether their light in the air is taken together for supertiles; clouds are not polynomials.
 [[nodiscard]] inline bool has_laser_strips(const fixtures::Needs& needs, const FrameSettings& settings) {
-  return has_lasers(needs, settings) && has_air(needs, settings) && !has_haze_field(needs, settings) && settings.view == FrameView::kPicture &&
-         settings.tile_error > 0;
+  return has_lasers(needs, settings) && has_air(needs, settings) && !has_haze_field(needs, settings) &&
+         settings.view == FrameView::kPicture && settings.tile_error > 0;
 }
 // Whether the distances of tiles are needed.
 [[nodiscard]] inline bool has_tile_depths(const fixtures::Needs& needs, const FrameSettings& settings) {

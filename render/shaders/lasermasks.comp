@@ -1,6 +1,7 @@
 #version 460
 // For each supertile one bit a row of the lasers: may it touch the supertile? One workgroup a row, which goes through
-// the supertiles of the row's box. Bits and numbers begin as 0; bits keep the order of the rows, so that sums have one order.
+// the supertiles of the row's box. Bits and numbers begin as 0; bits keep the order of the rows, so that sums have one
+// order.
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/forms.glsl"
@@ -26,7 +27,8 @@ void main() {
   // Where a box ends at the end of a supertile, it may touch both.
   uvec2 first = uvec2(max(box.xy / float(FL_SUPERTILE_PX) - 1e-3, 0.0));
   uvec2 last = uvec2(min(box.zw, size) / float(FL_SUPERTILE_PX) + 1e-3);
-  last = min(last, uvec2(params.supertiles_x, (params.height + uint(FL_SUPERTILE_PX) - 1u) / uint(FL_SUPERTILE_PX)) - 1u);
+  uint rows_of_supertiles = (params.height + uint(FL_SUPERTILE_PX) - 1u) / uint(FL_SUPERTILE_PX);
+  last = min(last, uvec2(params.supertiles_x, rows_of_supertiles) - 1u);
   uvec2 span = last - min(first, last) + 1u;
   first = min(first, last);
   uint words = laser_words();

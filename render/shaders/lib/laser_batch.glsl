@@ -1,5 +1,5 @@
-// Strips of some rows of lasers in a square of the picture, one workgroup a square: their polynomials, whether these do,
-// and whether the row may light something solid there. After laser_strip.glsl and
+// Strips of some rows of lasers in a square of the picture, one workgroup a square: their polynomials, whether these
+// do, and whether the row may light something solid there. After laser_strip.glsl and
 // laser_masks.glsl, with kExtinction and kAir.
 #ifdef FL_USE_HAZE
 const bool kTiles = false;  // clouds are not polynomials: between its nodes a fan was off by 1.8e-3 of the picture
@@ -9,7 +9,8 @@ layout(constant_id = FL_SPEC_TILES) const bool kTiles = true;  // else every pix
 const uint kThreads = 256u;
 const uint kNotes = kThreads / 32u;
 const uint kBatch = kThreads / kPlaces;  // rows at a time
-const float kStripError = 1.5e-3;  // of the most light of a row in a square: polynomials are off by no more at the checks
+// Of the most light of a row in a square: polynomials are off by no more at the checks.
+const float kStripError = 1.5e-3;
 const float kLeastLit = 1e-6;    // share of the light of a row that counts as none
 
 shared uint word_bits[kNotes];   // of so many words: those that have a row
@@ -18,8 +19,9 @@ shared uint row_bits[kNotes];    // of so many rows: those that touch the square
 shared uint listed[kThreads];    // their numbers, in order
 shared LaserStripRow strips[kBatch];
 shared vec2 places[kBatch * kPlaces];  // LaserAir.smooth_light and scale
-shared uint most_bits[kBatch];  // the most light of a row at its places, how much of it is lit, and its depths there, as
-shared uint lit_bits[kBatch];   // bits of floats
+// As bits of floats: the most light of a row at its places, how much of it is lit, and its depths there.
+shared uint most_bits[kBatch];
+shared uint lit_bits[kBatch];
 shared uint near_bits[kBatch];
 shared uint far_bits[kBatch];
 shared uint off_bits;     // rows of a batch whose polynomials are off, a bit each
@@ -99,8 +101,8 @@ void choose(uint slot, LaserRow row) {
   if (!is_free) atomicOr(on_surfaces, bit);
 }
 
-// middle, half_square: of the square, pixels. Rows begin to begin + count of the list. air: of a pixel px from the middle
-// that shows something at end_m; with FL_LASER_PIXELS light of rows whose polynomials do not do is added to it.
+// middle, half_square: of the square, pixels. Rows begin to begin + count of the list. air: of a pixel px from the
+// middle that shows something at end_m; with FL_LASER_PIXELS light of rows whose polynomials do not do is added to it.
 void find_strips(uint begin, uint count, vec2 middle, float half_square, vec2 own_px, float own_m, inout vec3 air) {
   uint thread = gl_LocalInvocationIndex;
   uint slot = thread / kPlaces;

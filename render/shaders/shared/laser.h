@@ -140,7 +140,7 @@ struct LaserAir {
   bool is_along;      // it is such a beam
   Real lit;           // the share of the light that is on the beam, in front of the eye and before t_max_m
   Real scale;    // one over the deviation of what the pixel sees, of places of dot(ray, sheet.cross_1 + tau cross_2)
-  Real profile;  // the mean of the normal density between the edges of the sheet; light falls with it from pixel to pixel
+  Real profile;  // the mean of the normal density between the edges of the sheet, which changes from pixel to pixel
   Real near_m;   // depths between which all but 1e-5 of the light is
   Real far_m;
 };
