@@ -1,7 +1,7 @@
 #version 460
 // Adds the light of those rows of lasers that laserstrips.comp left: on surfaces, and in the air. A workgroup has a
-// tile of 16 x 16 pixels and goes through the rows that may touch it, in their order, 16 at a time. With FL_USE_HAZE: haze
-// that is not even, where each pixel is computed.
+// tile of 16 x 16 pixels and goes through the rows that may touch it, in their order, 16 at a time. With FL_USE_HAZE:
+// haze that is not even, where each pixel is computed.
 //
 // Of each row the light in the air is computed at 16 places of its strip of the tile: 12 give polynomials, which make
 // the light of the tile's pixels, and four check them. Where these are off, and where something solid stands among the
