@@ -78,6 +78,7 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
 
 Window::~Window() {
   detach();
+  if (display_is_lost()) return;  // Xlib ends the program when requests to a lost server fill its buffer
   if (window_ != nullptr) glfwDestroyWindow(window_);
   glfwTerminate();
 }
@@ -92,7 +93,7 @@ void Window::detach() {
     (void)device_->wait_idle();
     if (ui_started_) {
       ImGui_ImplVulkan_Shutdown();
-      ImGui_ImplGlfw_Shutdown();
+      if (!display_is_lost()) ImGui_ImplGlfw_Shutdown();
     }
     destroy_swapchain();
     if (swapchain_ != VK_NULL_HANDLE) vkDestroySwapchainKHR(device_->handle, swapchain_, nullptr);
@@ -467,7 +468,9 @@ void Window::toggle_full_screen() {
 
 void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
-void Window::hide() { glfwHideWindow(window_); }
+void Window::hide() {
+  if (!display_is_lost()) glfwHideWindow(window_);
+}
 
 void Window::poll(double wait_s) {
   if (!std::exchange(keeps_keys_, false)) keys_.clear();
