@@ -15,6 +15,7 @@
 #include "render/passes/records.h"
 #include "render/passes/step.h"
 #include "render/passes/tonemap.h"
+#include "render/shadow_tables.h"
 
 namespace footlight::render {
 namespace {
