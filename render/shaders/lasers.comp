@@ -12,6 +12,7 @@
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/surface.glsl"
+#include "render/shaders/lib/albedo.glsl"
 #define FL_LASERS_ACCESS readonly
 #include "render/shaders/lib/laser_row.glsl"
 #include "render/shaders/lib/laser_strip.glsl"
@@ -26,7 +27,6 @@ layout(set = 0, binding = FL_BINDING_HEADS, std430) readonly buffer HeadsBuffer 
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
 const float kPi = 3.141592653589793;
-const float kBodyAlbedo = 0.04;  // as in surface_light.glsl
 
 #define FL_LASER_PIXELS
 #include "render/shaders/lib/laser_batch.glsl"
@@ -38,12 +38,6 @@ bool gets_there(LaserRow row, LaserSheet sheet, LaserSpot spot, Surface surface)
   uint fixture = spot.tau > sheet.jump ? row.end_fixture_2 : row.end_fixture_1;
   return surface.kind == kBody && fixture != FL_NONE && heads[surface.which >> 3].fixture == fixture &&
          spot.r_m < length_m + 1.0;
-}
-
-vec3 albedo_of(Surface surface) {
-  if (surface.kind == kBox) return boxes[surface.which].albedo.rgb;
-  if (surface.kind == kBody) return vec3(kBodyAlbedo);
-  return vec3((uvec3(surface.which) >> uvec3(20, 10, 0)) & 1023u) / 1023.0;
 }
 
 // Adds some of the rows that touch the tile.

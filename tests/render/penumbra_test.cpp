@@ -126,18 +126,9 @@ TEST_CASE("bodies behind others hide what the judge says of a lens with a size, 
 TEST_CASE("beams that are taken together for tiles have the soft shadows of beams computed pixel by pixel") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
-  Scene scene = lamps_scene(25, 200);
   Random random(26);
+  Scene scene = lamps_above_boxes(random);
   for (fixtures::FixtureType& type : scene.rig.types) type.beams.front().radius_m = 0.1;
-  for (auto& fixture : scene.rig.fixtures) {
-    fixture.position_m.z = random.between(6, 10);
-    fixture.rotation_deg = {random.between(-30, 30), random.between(-30, 30), 0};
-  }
-  scene.rig.boxes.push_back({"floor", {-20, -20, -0.2}, {20, 20, 0}, glm::dvec3(0.3)});
-  for (int i = 0; i < 8; ++i) {
-    const glm::dvec3 low(random.between(-6, 6), random.between(-5, 6), random.between(0, 5));
-    scene.rig.boxes.push_back({"box", low, low + glm::dvec3(0.6, 0.2, 0.8), glm::dvec3(0.4)});
-  }
   scene.compile();
   for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) scene.set(i, "Zoom", random.between(10, 40));
   FrameSettings settings = judged_settings(128, 72);

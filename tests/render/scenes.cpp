@@ -237,6 +237,20 @@ Scene lamps_scene(std::uint64_t seed, int count) {
   return scene;
 }
 
+Scene lamps_above_boxes(Random& random) {
+  Scene scene = lamps_scene(25, 200);
+  for (auto& fixture : scene.rig.fixtures) {
+    fixture.position_m.z = random.between(6, 10);
+    fixture.rotation_deg = {random.between(-30, 30), random.between(-30, 30), 0};
+  }
+  scene.rig.boxes.push_back({"floor", {-20, -20, -0.2}, {20, 20, 0}, glm::dvec3(0.3)});
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 low(random.between(-6, 6), random.between(-5, 6), random.between(0, 5));
+    scene.rig.boxes.push_back({"box", low, low + glm::dvec3(0.6, 0.2, 0.8), glm::dvec3(0.4)});
+  }
+  return scene;
+}
+
 Scene optics_scene(bool with_focus, bool stacked) {
   FixtureType type = lamp_type(0.06, 4);
   type.id = "test/optics";

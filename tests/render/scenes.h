@@ -60,6 +60,8 @@ struct Scene {
 // `count` fixed lamps over a stage without boxes, all lit in colour. Their channels are dimmer, red, green, blue and
 // zoom. Some are narrow beams of 0.1 degrees, some cylinders, some washes of 60 degrees.
 [[nodiscard]] Scene lamps_scene(std::uint64_t seed, int count);
+// 200 of these, above a floor with eight boxes; not compiled.
+[[nodiscard]] Scene lamps_above_boxes(Random& random);
 inline constexpr int kLampDimmerSlot = 0;  // offset of the dimmer's slot from a lamp's address; 0 is dark
 // One lamp 3 m up that shines along +Y at a wall, 8 m away, with everything that shapes a beam: Gobo1WheelIndex (open,
 // dots, bars, star), Gobo1Pos, Iris, Frost1, Prism1 (open, three facets), Blade1A to Blade4Rot, Focus1 if with_focus,

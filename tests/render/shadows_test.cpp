@@ -188,17 +188,8 @@ TEST_CASE("whatever shapes a beam, its light behind a box is dark as the judge c
 TEST_CASE("beams that are taken together for tiles have the shadows of beams computed pixel by pixel") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
-  Scene scene = lamps_scene(25, 200);
   Random random(26);
-  for (auto& fixture : scene.rig.fixtures) {
-    fixture.position_m.z = random.between(6, 10);
-    fixture.rotation_deg = {random.between(-30, 30), random.between(-30, 30), 0};
-  }
-  scene.rig.boxes.push_back({"floor", {-20, -20, -0.2}, {20, 20, 0}, glm::dvec3(0.3)});
-  for (int i = 0; i < 8; ++i) {
-    const glm::dvec3 low(random.between(-6, 6), random.between(-5, 6), random.between(0, 5));
-    scene.rig.boxes.push_back({"box", low, low + glm::dvec3(0.6, 0.2, 0.8), glm::dvec3(0.4)});
-  }
+  Scene scene = lamps_above_boxes(random);
   scene.compile();
   for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
     for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(i, color, random.between(0.2, 1));

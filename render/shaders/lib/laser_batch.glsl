@@ -13,10 +13,9 @@ const uint kBatch = kThreads / kPlaces;  // rows at a time
 const float kStripError = 1.5e-3;
 const float kLeastLit = 1e-6;    // share of the light of a row that counts as none
 
-shared uint word_bits[kNotes];   // of so many words: those that have a row
-shared uint row_words[kThreads]; // their numbers, in order
-shared uint row_bits[kNotes];    // of so many rows: those that touch the square
-shared uint listed[kThreads];    // their numbers, in order
+shared uint note_bits[kNotes];    // threads that have something to list
+shared uint row_words[kThreads];  // words that have a row, in order
+shared uint listed[kThreads];     // rows that touch the square, in order
 shared LaserStripRow strips[kBatch];
 shared vec2 places[kBatch * kPlaces];  // LaserAir.smooth_light and scale
 // As bits of floats: the most light of a row at its places, how much of it is lit, and its depths there.
@@ -31,51 +30,49 @@ shared uint on_surfaces;  // those that may light something solid
 shared uint nearest_bits;  // depths of what the square shows, as bits of floats
 shared uint farthest_bits;
 
-// Lists the words of a supertile's bits that have a row, from word `base` on, and returns how many there are.
-uint list_words(uint mask, uint base, uint words) {
-  uint thread = gl_LocalInvocationIndex;
+// The place of a thread among those that have something to list, and how many these are.
+uint place_among(bool lists, out uint count) {
+  uint note = gl_LocalInvocationIndex / 32u;
+  uint bit = 1u << (gl_LocalInvocationIndex % 32u);
   barrier();
-  if (thread < kNotes) word_bits[thread] = 0u;
+  if (gl_LocalInvocationIndex < kNotes) note_bits[gl_LocalInvocationIndex] = 0u;
   barrier();
-  uint word = base + thread < words ? laser_masks[mask + base + thread] : 0u;
-  if (word != 0u) atomicOr(word_bits[thread / 32u], 1u << (thread % 32u));
+  if (lists) atomicOr(note_bits[note], bit);
   barrier();
-  uint before = 0u;
-  uint count = 0u;
+  uint before = uint(bitCount(note_bits[note] & (bit - 1u)));
+  count = 0u;
   for (uint w = 0u; w < kNotes; ++w) {
-    uint here = uint(bitCount(word_bits[w]));
-    if (w < thread / 32u) before += here;
+    uint here = uint(bitCount(note_bits[w]));
+    if (w < note) before += here;
     count += here;
   }
-  before += uint(bitCount(word_bits[thread / 32u] & ((1u << (thread % 32u)) - 1u)));
-  if (word != 0u) row_words[before] = base + thread;
+  return before;
+}
+
+// Lists the words of a supertile's bits that have a row, from word `base` on, and returns how many there are.
+uint list_words(uint mask, uint base, uint words) {
+  uint word = base + gl_LocalInvocationIndex;
+  bool lists = word < words && laser_masks[mask + word] != 0u;
+  uint count;
+  uint at = place_among(lists, count);
+  if (lists) row_words[at] = word;
   return count;
 }
 
 // Lists the rows of kNotes of these words, from number `from` on, that touch the pixels low to high.
 uint list_rows(uint mask, uint from, uint count, vec2 low, vec2 high) {
-  uint thread = gl_LocalInvocationIndex;
   barrier();
-  if (thread < kNotes) row_bits[thread] = 0u;
-  barrier();
-  uint which = from + thread / 32u;
+  uint which = from + gl_LocalInvocationIndex / 32u;
+  uint bit = gl_LocalInvocationIndex % 32u;
   uint index = 0u;
+  bool lists = false;
   if (which < count) {
-    index = 32u * row_words[which] + thread % 32u;
-    bool touches = (laser_masks[mask + row_words[which]] >> (thread % 32u) & 1u) != 0u;
-    if (touches && laser_touches(lasers[index], low, high)) atomicOr(row_bits[thread / 32u], 1u << (thread % 32u));
+    index = 32u * row_words[which] + bit;
+    lists = (laser_masks[mask + row_words[which]] >> bit & 1u) != 0u && laser_touches(lasers[index], low, high);
   }
-  barrier();
-  uint earlier = 0u;
-  uint total = 0u;
-  for (uint w = 0u; w < kNotes; ++w) {
-    uint here = uint(bitCount(row_bits[w]));
-    if (w < thread / 32u) earlier += here;
-    total += here;
-  }
-  uint own = row_bits[thread / 32u];
-  earlier += uint(bitCount(own & ((1u << (thread % 32u)) - 1u)));
-  if ((own >> (thread % 32u) & 1u) != 0u) listed[earlier] = index;
+  uint total;
+  uint at = place_among(lists, total);
+  if (lists) listed[at] = index;
   return total;
 }
 

@@ -1,9 +1,9 @@
 // The part of a square of the picture that a row of lasers touches: a strip along its beams, and polynomials over it.
 // After laser_row.glsl.
 //
-// What a pixel sees of a sheet is LaserAir.profile, which changes from pixel to pixel, times what is smooth. That and
-// LaserAir.scale are computed at kNodes places of the strip and are polynomials between these, of degree 3 along the
-// beams and 2 across.
+// What a pixel sees of a sheet is a mean of the normal density, which changes from pixel to pixel, times what is
+// smooth: LaserAir.smooth_light. That and LaserAir.scale are computed at kNodes places of the strip and are polynomials
+// between these, of degree 3 along the beams and 2 across.
 
 const uint kNodesAlong = 4u;
 const uint kNodesAcross = 3u;

@@ -136,11 +136,11 @@ FL_CONST float kLaserGonePx = 100.0f;
 // What a pixel sees of a sheet in the air.
 struct LaserAir {
   Real light;    // over sigma_s and the flux; 1/(m sr)
-  Real smooth_light;  // the same over scale and profile; not of beams that are seen nearly along themselves
+  Real smooth_light;  // the same over scale and the mean of the normal density between the sheet's edges; not of
+                      // beams that are seen nearly along themselves
   bool is_along;      // it is such a beam
   Real lit;           // the share of the light that is on the beam, in front of the eye and before t_max_m
   Real scale;    // one over the deviation of what the pixel sees, of places of dot(ray, sheet.cross_1 + tau cross_2)
-  Real profile;  // the mean of the normal density between the edges of the sheet, which changes from pixel to pixel
   Real near_m;   // depths between which all but 1e-5 of the light is
   Real far_m;
 };
@@ -285,7 +285,6 @@ FL_FN LaserAir laser_in_air(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Re
   Real square = meeting.square, ray_at = meeting.ray_at, beam_at = meeting.beam_at, whole = meeting.whole;
   Real beam_square = meeting.beam_square, tx = meeting.tx, ty = meeting.ty;
   air.scale = scale;
-  air.profile = share;
   LaserLine line = laser_line(sheet, pixel, beam);
   Vec2 gone = line.gone;
   air.is_along = gone.x * gone.x + gone.y * gone.y < Real(kLaserGonePx) * Real(kLaserGonePx);

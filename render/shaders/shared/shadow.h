@@ -59,6 +59,17 @@ FL_FN bool shadow_add_outline(FL_INOUT(ShadowPrism) prism, Real lens_radius_m, R
   return true;
 }
 
+// The unit normal of the faces of pair i, on the side of half_edge[i], and how far they are from the centre. 0 where
+// they have no area.
+FL_FN Vec3 shadow_face(FL_IN(ShadowSolid) solid, int i, FL_OUT(Real) away) {
+  Vec3 n = cross(solid.half_edge[(i + 1) % 3], solid.half_edge[(i + 2) % 3]);
+  Real square = dot(n, n);
+  n = square > Real(1e-30) ? n * inversesqrt(square) : Vec3(0, 0, 0);
+  if (dot(n, solid.half_edge[i]) < Real(0)) n = n * Real(-1);
+  away = dot(n, solid.half_edge[i]);
+  return n;
+}
+
 // The shadow of a body. False: it has none in the beam.
 FL_FN bool shadow_prism(Real lens_radius_m, Real spread, FL_IN(ShadowSolid) solid, FL_OUT(ShadowPrism) prism) {
   prism.count = uint(0);
@@ -80,12 +91,8 @@ FL_FN bool shadow_prism(Real lens_radius_m, Real spread, FL_IN(ShadowSolid) soli
   for (int i = 0; i < 3; ++i) {
     Vec3 v = solid.half_edge[(i + 1) % 3];
     Vec3 w = solid.half_edge[(i + 2) % 3];
-    Vec3 n = cross(v, w);
-    Real square = dot(n, n);
-    n = square > Real(1e-30) ? n * inversesqrt(square) : Vec3(0, 0, 0);
-    if (dot(n, solid.half_edge[i]) < Real(0)) n = n * Real(-1);
+    Vec3 n = shadow_face(solid, i, away[i]);
     normal[i] = n;
-    away[i] = dot(n, solid.half_edge[i]);
     Real reach = abs(v.z) + abs(w.z);
     for (int side = 0; side < 2; ++side) {
       Real sign = side == 0 ? Real(1) : Real(-1);
@@ -191,12 +198,8 @@ FL_FN bool shadow_prism_from(Vec3 point, FL_IN(ShadowSolid) solid, FL_OUT(Shadow
   bool any_front = false;
   bool inside = true;  // the point is
   for (int i = 0; i < 3; ++i) {
-    Vec3 n = cross(solid.half_edge[(i + 1) % 3], solid.half_edge[(i + 2) % 3]);
-    Real square = dot(n, n);
-    n = square > Real(1e-30) ? n * inversesqrt(square) : Vec3(0, 0, 0);
-    if (dot(n, solid.half_edge[i]) < Real(0)) n = n * Real(-1);
+    Vec3 n = shadow_face(solid, i, away[i]);
     normal[i] = n;
-    away[i] = dot(n, solid.half_edge[i]);
     Real at = dot(n, center - point);
     front[2 * i] = at + away[i] < Real(0);
     front[2 * i + 1] = away[i] - at < Real(0);

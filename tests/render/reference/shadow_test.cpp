@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,8 +63,9 @@ struct Shadow {
   double dark_to_m = 0;
 };
 
+// place_m: light comes from this place on the lens alone.
 #define FL_TEST_SHADOW(name, space)                                                                             \
-  Shadow name(const ShadowCase& c) {                                                                            \
+  Shadow name(const ShadowCase& c, const std::optional<glm::dvec2>& place_m = {}) {                             \
     namespace k = render::space;                                                                                \
     using R = k::Real;                                                                                          \
     const auto turned = [&](const glm::dvec3& v) {                                                              \
@@ -83,7 +85,11 @@ struct Shadow {
     shadow.from_m = static_cast<double>(chord.t_base_m + chord.t_from_m);                                       \
     shadow.to_m = static_cast<double>(chord.t_base_m + chord.t_to_m);                                           \
     k::ShadowPrism prism;                                                                                       \
-    if (!k::shadow_prism(beam.lens_radius_m, beam.spread, solid, prism)) return shadow;                         \
+    const glm::dvec2 at = place_m.value_or(glm::dvec2(0));                                                      \
+    const k::Vec3 point(static_cast<R>(at.x), static_cast<R>(at.y), R(0));                                      \
+    const bool has_shadow = place_m ? k::shadow_prism_from(point, solid, prism)                                 \
+                                    : k::shadow_prism(beam.lens_radius_m, beam.spread, solid, prism);           \
+    if (!has_shadow) return shadow;                                                                             \
     R x0 = 0;                                                                                                   \
     R x1 = 1;                                                                                                   \
     shadow.any = true;                                                                                          \
@@ -263,54 +269,14 @@ TEST_CASE("the judge's light through a shadow is the light of the two parts besi
   CHECK(shaded > 30);
 }
 
-// The part of a ray that a body hides of the light from one place on the lens.
-#define FL_TEST_LENS_SHADOW(name, space)                                                                        \
-  Shadow name(const ShadowCase& c, const glm::dvec2& place_m) {                                                 \
-    namespace k = render::space;                                                                                \
-    using R = k::Real;                                                                                          \
-    const auto turned = [&](const glm::dvec3& v) {                                                              \
-      return k::Vec3(glm::dot(v, c.beam.x_axis), glm::dot(v, c.beam.y_axis), glm::dot(v, c.beam.axis));         \
-    };                                                                                                          \
-    const k::BeamShape beam{static_cast<R>(c.beam.lens_radius_m), static_cast<R>(c.beam.spread),                \
-                            static_cast<R>(c.beam.range_m), R(1)};                                              \
-    const k::Vec3 way = turned(c.ray.direction);                                                                \
-    Shadow shadow;                                                                                              \
-    k::Chord chord;                                                                                             \
-    shadow.seen = k::beam_chord(beam, turned(c.ray.origin_m - c.beam.lens_m), way, R(0), R(1e30), chord);       \
-    if (!shadow.seen) return shadow;                                                                            \
-    k::ShadowSolid solid;                                                                                       \
-    solid.center = turned(c.solid.center_m - c.beam.lens_m);                                                    \
-    for (int i = 0; i < 3; ++i) solid.half_edge[i] = turned(c.solid.half_m[i]);                                 \
-    shadow.from_m = static_cast<double>(chord.t_base_m + chord.t_from_m);                                       \
-    shadow.to_m = static_cast<double>(chord.t_base_m + chord.t_to_m);                                           \
-    k::ShadowPrism prism;                                                                                       \
-    const k::Vec3 point(static_cast<R>(place_m.x), static_cast<R>(place_m.y), R(0));                            \
-    if (!k::shadow_prism_from(point, solid, prism)) return shadow;                                              \
-    R x0 = 0;                                                                                                   \
-    R x1 = 1;                                                                                                   \
-    shadow.any = true;                                                                                          \
-    for (unsigned i = 0; i < prism.count && shadow.any; ++i) {                                                  \
-      const auto& plane = prism.planes[i];                                                                      \
-      const auto h = [&](R t, R w) { return (k::dot(plane.normal, chord.base + way * t) - plane.offset) / w; }; \
-      shadow.any = k::shadow_cut(h(chord.t_from_m, chord.w_from), h(chord.t_to_m, chord.w_to), x0, x1);         \
-    }                                                                                                           \
-    if (!shadow.any) return shadow;                                                                             \
-    const k::Chord dark = k::chord_part(chord, x0, x1);                                                         \
-    shadow.dark_from_m = static_cast<double>(dark.t_base_m + dark.t_from_m);                                    \
-    shadow.dark_to_m = static_cast<double>(dark.t_base_m + dark.t_to_m);                                        \
-    return shadow;                                                                                              \
-  }
-FL_TEST_LENS_SHADOW(from_lens_in_float, f32)
-FL_TEST_LENS_SHADOW(from_lens_in_double, f64)
-
 // As add(), for straight lines from a random place on the lens.
 void add_from_lens(const ShadowCase& c, Random& random, Count& count) {
   const double r = std::sqrt(random.uniform(0, 1));
   const double angle = random.uniform(0, 6.283185307179586);
   const glm::dvec2 place_m = c.beam.lens_radius_m * r * glm::dvec2(std::cos(angle), std::sin(angle));
   const glm::dvec3 lens_m = c.beam.lens_m + place_m.x * c.beam.x_axis + place_m.y * c.beam.y_axis;
-  const Shadow fine = from_lens_in_double(c, place_m);
-  const Shadow coarse = from_lens_in_float(c, place_m);
+  const Shadow fine = in_double(c, place_m);
+  const Shadow coarse = in_float(c, place_m);
   if (!fine.seen || !coarse.seen) return;
   ++count.rays;
   if (fine.any) ++count.shadows;

@@ -20,6 +20,7 @@
 #include "sim/system_clock.h"
 #include "tests/support/must.h"
 #include "tests/support/temp_folder.h"
+#include "tests/tools/footlight/desk_thread.h"
 #include "tools/footlight/mvr/exchange_follower.h"
 #include "tools/footlight/mvr/mvr_exchange.h"
 
@@ -50,33 +51,12 @@ std::string read_file(const std::string& path) {
 
 fixtures::ImportedRig some_rig() { return fixtures::as_imported(must(fixtures::parse_rig(kRig, "rig.toml")), "toml"); }
 
-// A station that answers on a thread.
-class OtherStation {
- public:
-  explicit OtherStation(const std::string& content) : station_("Desk", "4aa291a1-1a62-45fe-aabc-e90e5e2399a8") {
-    drivers::MvrCommit commit;
-    commit.file_uuid = "11111111-2222-4333-8444-555555555555";
-    commit.file_name = "../../tour.mvr";
-    station_.offer(commit, std::make_shared<std::vector<std::uint8_t>>(content.begin(), content.end()));
-    server_ = must(drivers::MvrServer::open({kHere, 0}, station_));
-    thread_ = std::jthread([this](const std::stop_token& stop) {
-      SystemClock clock;
-      std::vector<pollfd> waiting;
-      while (!stop.stop_requested()) {
-        server_->step(clock.now_ns());
-        server_->add_descriptors(waiting);
-        (void)::poll(waiting.data(), waiting.size(), 20);
-        waiting.clear();
-      }
-    });
-  }
-  [[nodiscard]] std::string address() const { return fmt::format("127.0.0.1:{}", server_->port()); }
-
- private:
-  drivers::MvrStation station_;
-  std::unique_ptr<drivers::MvrServer> server_;
-  std::jthread thread_;
-};
+// Of a station whose file has a path for a name.
+drivers::MvrCommit path_commit() {
+  drivers::MvrCommit commit;
+  commit.file_name = "../../tour.mvr";
+  return commit;
+}
 
 // Looks until a condition holds.
 class Looking {
@@ -120,7 +100,7 @@ std::string exported(const TempFolder& folder) {
 TEST_CASE("a rig of another station is received beside the present one, and is a rig") {
   const TempFolder folder;
   const std::string content = exported(folder);
-  const OtherStation desk(content);
+  const DeskThread desk(content, path_commit());
   MvrExchange exchange(quiet());
   Looking looking(exchange);
   exchange.add(desk.address());
@@ -142,7 +122,7 @@ TEST_CASE("a rig of another station is received beside the present one, and is a
 
 TEST_CASE("what a station sends and is no rig leaves nothing but a message") {
   const TempFolder folder;
-  const OtherStation desk("no rig");
+  const DeskThread desk("no rig", path_commit());
   MvrExchange exchange(quiet());
   Looking looking(exchange);
   exchange.add(desk.address());

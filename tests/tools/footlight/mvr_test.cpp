@@ -22,6 +22,7 @@
 #include "sim/system_clock.h"
 #include "tests/support/must.h"
 #include "tests/support/zip_bytes.h"
+#include "tests/tools/footlight/desk_thread.h"
 #include "tests/tools/footlight/run_footlight.h"
 #include "tools/footlight/mvr/mvr_lines.h"
 #include "tools/footlight/mvr/received_file.h"
@@ -58,40 +59,12 @@ std::string rig_bytes(const std::string& fixture, std::size_t padding = 0) {
                         "</GeneralSceneDescription>"}});
 }
 
-// A station of the test, which answers on a thread.
-class DeskThread {
- public:
-  explicit DeskThread(const std::string& content, const char* uuid = "4aa291a1-1a62-45fe-aabc-e90e5e2399a8")
-      : station_("Desk", uuid) {
-    drivers::MvrCommit commit;
-    commit.file_uuid = "11111111-2222-4333-8444-555555555555";
-    commit.comment = "from the desk\x1B[31m";
-    station_.offer(commit, std::make_shared<std::vector<std::uint8_t>>(content.begin(), content.end()));
-    server_ = must(drivers::MvrServer::open({0x7F000001, 0}, station_));
-    thread_ = std::jthread([this](const std::stop_token& stop) {
-      SystemClock clock;
-      std::vector<pollfd> waiting;
-      while (!stop.stop_requested()) {
-        server_->step(clock.now_ns());
-        server_->add_descriptors(waiting);
-        (void)::poll(waiting.data(), waiting.size(), 50);
-        waiting.clear();
-      }
-    });
-  }
-  [[nodiscard]] std::string address() const { return fmt::format("127.0.0.1:{}", server_->port()); }
-  // Ends the thread; what happened.
-  std::vector<drivers::MvrEvent> end() {
-    thread_.request_stop();
-    thread_.join();
-    return station_.take_events();
-  }
-
- private:
-  drivers::MvrStation station_;
-  std::unique_ptr<drivers::MvrServer> server_;
-  std::jthread thread_;
-};
+// Of a station that puts a control character into the terminal.
+drivers::MvrCommit coloured_commit() {
+  drivers::MvrCommit commit;
+  commit.comment = "from the desk\x1B[31m";
+  return commit;
+}
 
 TEST_CASE("a file that is shared is listed, is received byte for byte, and again when it changes") {
   const TempFolder folder;
@@ -148,7 +121,7 @@ TEST_CASE("a file that is no rig is neither shared nor written, and nothing is l
   CHECK(contains(shared.err, "text.mvr"));
   for (const std::string& content :
        {std::string("no zip"), std::string(), make_zip({{"other.xml", "<a/>"}}), rig_bytes("Par 1").substr(0, 200)}) {
-    DeskThread desk(content);
+    DeskThread desk(content, coloured_commit());
     const std::string out = folder.file("got.mvr");
     const Outcome got = footlight({"mvr", "get", desk.address(), "-o", out});
     CAPTURE(got.err);
@@ -163,7 +136,7 @@ TEST_CASE("a file that is no rig is neither shared nor written, and nothing is l
 
 TEST_CASE("stations of which one has a file need no name, and texts of others are printed without escapes") {
   const TempFolder folder;
-  DeskThread desk(rig_bytes("Par 1"));
+  DeskThread desk(rig_bytes("Par 1"), coloured_commit());
   const std::string out = folder.file("got.mvr");
   const std::vector<std::string> named = {"--station", desk.address(), "--station", "127.0.0.1:9"};
   std::vector<std::string> words = {"mvr", "stations"};
@@ -189,8 +162,8 @@ TEST_CASE("of stations with one name a UUID, an address or a file selects one, a
   const TempFolder folder;
   const std::string rig = rig_bytes("Par 1");
   const std::string second = "a7669ff9-bd61-4486-aea6-c190f8ba6b8c";
-  DeskThread one(rig);
-  DeskThread two(rig, second.c_str());
+  DeskThread one(rig, coloured_commit());
+  DeskThread two(rig, coloured_commit(), second.c_str());
   const auto get = [&](std::vector<std::string> words, const char* out) {
     words.insert(words.begin(), {"mvr", "get"});
     words.insert(words.end(), {"-o", folder.file(out), "--station", one.address(), "--station", two.address(),
