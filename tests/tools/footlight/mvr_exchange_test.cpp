@@ -180,7 +180,7 @@ TEST_CASE("an exchange that is stopped ends by itself") {
 // A window that calls its exchange, at times of the test.
 class Following {
  public:
-  explicit Following(TimeNs now_ns) : now_ns(now_ns) {}
+  explicit Following(TimeNs start_ns) : now_ns(start_ns) {}
   void turn() {
     for (auto& event : follower_.turn(now_ns, view, ".", [this] {
            ++exported;
