@@ -61,6 +61,32 @@ struct CompareUi : testing::DrawnUi {
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
+TEST_CASE("a compared log stands in the row with name, time and offset until another moment takes its place") {
+  CompareUi ui;
+  KeptLevels other;
+  other.moment = ui.kept().moment;
+  other.moment.levels[0] = 90;
+  other.log = "monday.dmxlog";
+  other.when = "1:23.4";
+  other.offset_ns = -1500 * kNsPerMs;
+  ui.desk.comparison().a = other;
+  const std::string words = ui.words();
+  CHECK(has(words, "monday.dmxlog"));
+  CHECK(has(words, "1:23.4"));
+  CHECK(has(words, "-1.50 s"));
+  CHECK(has(words, "1 slot differs"));
+  CHECK(ui.desk.comparison().a->offset_ns == -1500 * kNsPerMs);
+  // The levels of the other log change, and those of now do not.
+  ui.desk.comparison().a->moment.levels[0] = 0;
+  ui.frame();
+  CHECK(has(ui.words(), "no slot differs"));
+  testing::activate("Universes", {"a", "here"});
+  ui.frame();
+  ui.frame();
+  CHECK(ui.desk.comparison().a->log.empty());
+  CHECK(!has(ui.words(), "monday.dmxlog"));
+}
+
 TEST_CASE("slots that differ from a kept moment are counted and listed with fixture, parameter and both levels") {
   CompareUi ui;
   ui.levels[1] = 40;

@@ -155,6 +155,109 @@ TEST_CASE("a seek gives the states of a replay from the start, to the bit, from 
   }
 }
 
+// A seek that takes many parts: each look at the clock finds a part over.
+struct SlowStage : Stage {
+  explicit SlowStage(render::vk::Device& device_in) : Stage(device_in, 60 * kNsPerS) {
+    player = std::make_unique<LogPlayer>([this] { return Timeline(log.again(), compiled); }, late);
+    transport.duration_ns = player->duration_ns();
+  }
+  class LateClock final : public Clock {
+   public:
+    TimeNs now_ns() override { return now_ns_ += LogPlayer::kPartNs; }
+    void sleep_until_ns(TimeNs) override {}
+
+   private:
+    TimeNs now_ns_ = 0;
+  };
+  LateClock late;
+};
+
+TEST_CASE("a long seek takes many turns, with the levels from before it, and ends at the states of a replay") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  SlowStage stage(vulkan.device());
+  stage.play(2 * kNsPerS);
+  const std::vector<std::uint8_t> before(stage.player->levels().begin(), stage.player->levels().end());
+  stage.transport.seek_ns = 40 * kNsPerS;
+  int turns = 0;
+  TimeNs last_ns = -1;
+  for (stage.turn(); stage.transport.seeking; stage.turn()) {
+    ++turns;
+    CHECK(stage.transport.now_ns == 40 * kNsPerS);
+    CHECK(stage.player->now_ns() == 40 * kNsPerS);
+    CHECK(stage.transport.seeking->from_ns == 0);
+    CHECK(stage.transport.seeking->at_ns > last_ns);
+    last_ns = stage.transport.seeking->at_ns;
+    CHECK(std::equal(before.begin(), before.end(), stage.player->levels().begin(), stage.player->levels().end()));
+    CHECK(!stage.player->can_hold(stage.transport, kPictureNs, stage.driven()));
+    must(stage.player->work_at_index(kNsPerS, stage.driven()));  // waits
+    CHECK(stage.player->index()->moments().empty());
+    if (turns == 50) stage.transport.seek_ns = 45 * kNsPerS;  // another one further on goes on from here
+    if (turns >= 50) break;
+  }
+  CHECK(turns == 50);
+  const int restarts = stage.restarts;
+  for (stage.turn(); stage.transport.seeking; stage.turn()) ++turns;
+  CHECK(stage.restarts == restarts);
+  CHECK(turns > 150);  // of a quarter of a second of the log
+  CHECK(stage.player->now_ns() == 45 * kNsPerS);
+  CHECK(stage.state().heads == stage.replayed(45 * kNsPerS).heads);
+  CHECK(!std::equal(before.begin(), before.end(), stage.player->levels().begin(), stage.player->levels().end()));
+  CHECK(stage.exposed_ns == LogPlayer::kExposureNs);
+  stage.turn();  // the time of the last part, which is not played
+  CHECK(stage.player->now_ns() == 45 * kNsPerS);
+  stage.turn();
+  CHECK(stage.player->now_ns() > 45 * kNsPerS);
+}
+
+TEST_CASE("a cancelled seek leaves the fixtures, the levels and the time as they were before it") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  SlowStage stage(vulkan.device());
+  stage.transport.cancels_seek = true;  // none is under way
+  stage.turn();
+  CHECK(!stage.transport.cancels_seek);
+  stage.play(2 * kNsPerS);
+  stage.transport.playing = false;
+  must(stage.frame->run_steps());
+  const TimeNs at_ns = stage.player->now_ns();
+  const render::FrameState before = stage.state();
+  const std::vector<std::uint8_t> levels(stage.player->levels().begin(), stage.player->levels().end());
+  for (const TimeNs until_ns : {50 * kNsPerS, 20 * kNsPerS}) {
+    stage.transport.seek_ns = until_ns;  // the second one while the first one is under way
+    for (int i = 0; i < 20; ++i) stage.turn();
+    REQUIRE(stage.transport.seeking);
+    REQUIRE(stage.state().heads != before.heads);
+  }
+  stage.transport.cancels_seek = true;
+  stage.turn();
+  CHECK(!stage.transport.seeking);
+  CHECK(stage.transport.now_ns == at_ns);
+  CHECK(stage.state().heads == before.heads);
+  CHECK(stage.state().time_ns == before.time_ns);
+  CHECK(std::equal(levels.begin(), levels.end(), stage.player->levels().begin(), stage.player->levels().end()));
+  stage.transport.playing = true;
+  stage.turn();
+  CHECK(stage.player->now_ns() > at_ns);
+  CHECK(stage.player->now_ns() < at_ns + kNsPerS);
+}
+
+TEST_CASE("a seek keeps no moment for the next one if something was taken over in one of its parts") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  SlowStage stage(vulkan.device());
+  stage.transport.playing = false;
+  stage.transport.seek_ns = 30 * kNsPerS;
+  for (stage.turn(); stage.transport.seeking; stage.turn()) {
+    stage.taken_over = stage.transport.seeking->at_ns > 10 * kNsPerS && stage.transport.seeking->at_ns < 12 * kNsPerS;
+  }
+  stage.taken_over = false;
+  const int restarts = stage.restarts;
+  must(stage.player->seek(30 * kNsPerS + kNsPerS / 2, stage.driven()));
+  CHECK(stage.restarts == restarts + 1);
+  CHECK(stage.state().heads == stage.replayed(30 * kNsPerS + kNsPerS / 2).heads);
+}
+
 TEST_CASE("a seek ahead of what is indexed begins at the seek before") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

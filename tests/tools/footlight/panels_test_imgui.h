@@ -1,9 +1,11 @@
 // Dear ImGui without a window: it makes the lists that a GPU would draw.
 #pragma once
 
+#include <initializer_list>
 #include <string>
 
 #include <imgui/imgui.h>
+#include <imgui/imgui_internal.h>
 
 namespace footlight::testing {
 
@@ -24,6 +26,16 @@ class HeadlessImGui {
   HeadlessImGui(const HeadlessImGui&) = delete;
   HeadlessImGui& operator=(const HeadlessImGui&) = delete;
 };
+
+// The next frame presses the widget with this id, wherever it is: a button, a box or a row of a list. path: the texts
+// of PushID() around it, then its own.
+inline void activate(const char* window, std::initializer_list<const char*> path) {
+  const ImGuiWindow* found = ImGui::FindWindowByName(window);
+  IM_ASSERT(found != nullptr);
+  ImGuiID id = found->ID;
+  for (const char* part : path) id = ImHashStr(part, 0, id);
+  ImGui::ActivateItem(id);
+}
 
 // A user interface that a test draws and clicks.
 class DrawnUi {

@@ -35,11 +35,12 @@ bool can_open_window() {
 
 // Runs the preview on a separate display with the validation layer; returns the exit code. The check for leaks is off,
 // because drivers that the Vulkan loader has closed leak some memory (tests/support/headless_vulkan.cpp).
-int preview(const TempFolder& folder, const std::string& arguments, const std::string& variables = "") {
+// dpi: of the screen.
+int preview(const TempFolder& folder, const std::string& arguments, const std::string& variables = "", int dpi = 96) {
   const std::string line =
       variables +
-      "FOOTLIGHT_VALIDATION=1 ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1024x768x24' " FOOTLIGHT_BINARY
-      " preview " +
+      "FOOTLIGHT_VALIDATION=1 ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1024x768x24 -dpi " +
+      std::to_string(dpi) + "' " FOOTLIGHT_BINARY " preview " +
       arguments + " > " + folder.file("out") + " 2> " + folder.file("err");
   const int status = std::system(line.c_str());  // arguments of this test only
   INFO(read(folder.file("err")));
@@ -210,14 +211,14 @@ TEST_CASE("a device that refuses memory ends a picture with a message that says 
   CHECK(!std::filesystem::exists(folder.file("a.png")));
 }
 
-TEST_CASE("all panels draw in a small window, and the picture keeps its size") {
+TEST_CASE("all panels draw in a small window, twice as large on a screen of 192 dpi, and the picture keeps its size") {
   if (!can_open_window()) return;
   const TempFolder folder;
   std::ofstream(folder.file("rig.toml")) << kOnePar;
   const std::string line = folder.file("rig.toml") + " --seconds 1 --size 640x360 --json --screenshot ";
   const std::string all =
       " --panels universes,fixtures,inspector,timeline,devices,library,messages,report,keys --select Par";
-  const int code = preview(folder, line + folder.file("a.png") + all);
+  const int code = preview(folder, line + folder.file("a.png") + all, "", 192);
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;
   INFO(err);
@@ -225,6 +226,7 @@ TEST_CASE("all panels draw in a small window, and the picture keeps its size") {
   CHECK(err.empty());
   const nlohmann::json with = summary(folder);
   CHECK(with["validation_messages"] == 0);
+  CHECK(with["ui_scale"] == 2);
   CHECK(with["live"] == 1);
   CHECK(with["ui_ms_p50"].get<double>() > 0);
   CHECK(with["width"] == 640);  // the most that software renders in full resolution at first

@@ -129,19 +129,29 @@ TEST_CASE("a command that changes nothing is not remembered, and a new one forge
   CHECK(desk.history().size() == 1);
 }
 
-TEST_CASE("the history keeps its last commands only") {
+TEST_CASE("twenty thousand steps can be undone and redone") {
   const auto rig = compiled_rig(parsed_rig(kUiRig));
   UiDesk desk(rig.rig, rig.compiled);
-  for (std::size_t i = 0; i < UiHistory::kCommandsMax + 5; ++i) {
+  constexpr int kSteps = 20'000;
+  for (int i = 0; i < kSteps; ++i) {
     desk.begin_gesture();
-    desk.select(static_cast<int>(i % 2), false);
+    desk.select(i % 2, false);
   }
-  CHECK(desk.history().size() == UiHistory::kCommandsMax);
+  int undone = 0;
+  while (!desk.undo().empty()) ++undone;
+  CHECK(undone == kSteps);
+  CHECK(desk.state().selection.fixtures.empty());
+  int redone = 0;
+  while (!desk.redo().empty()) ++redone;
+  CHECK(redone == kSteps);
+  CHECK(desk.history().bytes() < UiHistory::kBytesMax / 100);
+  CHECK(desk.take_news().empty());
 }
 
 TEST_CASE("the history needs at most so much memory, and keeps the last command whatever it needs") {
+  constexpr std::size_t kBytes = std::size_t{32} << 20;
   UiState state;
-  UiHistory history;
+  UiHistory history(kBytes);
   const auto select = [&](int count, int first) {
     SelectFixtures command;
     command.after.fixtures.resize(static_cast<std::size_t>(count));
@@ -149,9 +159,11 @@ TEST_CASE("the history needs at most so much memory, and keeps the last command 
     history.run(state, std::move(command));
   };
   for (int i = 0; i < 40; ++i) {
+    const std::size_t before = history.size();
     select(500'000, i);
     CHECK(history.bytes() >= 500'000 * sizeof(int));
-    CHECK(history.bytes() <= UiHistory::kBytesMax);
+    CHECK(history.bytes() <= kBytes);
+    CHECK(history.take_forgot() == (history.size() <= before));
   }
   const std::size_t kept = history.size();
   CHECK(kept > 3);
@@ -163,10 +175,10 @@ TEST_CASE("the history needs at most so much memory, and keeps the last command 
   while (history.redo(state) != nullptr) {
   }
   CHECK(history.size() == kept);
-  CHECK(history.bytes() <= 2 * UiHistory::kBytesMax);
+  CHECK(history.bytes() <= 2 * kBytes);
   select(10'000'000, 7);
   CHECK(history.size() == 1);
-  CHECK(history.bytes() > UiHistory::kBytesMax);
+  CHECK(history.bytes() > kBytes);
   select(0, 0);
   CHECK(history.size() == 1);
   // Of what holds the last one's past.

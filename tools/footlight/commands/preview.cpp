@@ -31,6 +31,8 @@ void add(Arguments& arguments) {
                    "socket for 'footlight set', fade, blackout and scene: a file, auto or none [auto]");
   arguments.option("--record", options->record, "FILE",
                    "record what the fixtures get to this log, from the first picture on (Ctrl+R ends it)");
+  arguments.option("--compare", options->compare, "LOG",
+                   "show the levels of this log beside those of the window, at the same time, with the differences");
   arguments.option("--recordings", options->recordings, "FOLDER",
                    "where Ctrl+R puts recordings; default: the folder of the rig's file");
   arguments.list("--output", options->outputs, "ENDPOINT",

@@ -11,6 +11,8 @@ namespace {
 
 constexpr DurationNs kLeapNs = kNsPerS;  // a moment this far ahead is taken instead of the steps to it
 constexpr DurationNs kKeptNs = kNsPerS;  // a seek keeps a moment that is at most this much before its picture
+constexpr DurationNs kStrideNs = kNsPerS / 4;  // of the log, from look to look at the clock
+constexpr DurationNs kLongNs = 10 * kNsPerS;   // of the log: a seek over more than this may be cancelled
 
 // `step`, and the frame's steps are carried out before too many wait. `flushed`: how that went.
 Timeline::Step flushing(const Timeline::Step& step, render::Frame& frame, Status& flushed) {
@@ -59,9 +61,9 @@ Status LogPlayer::advance(TimeNs until_ns, DurationNs exposure_ns, const Driven&
   return advance_frame(*timeline_, driven.frame, until_ns, exposure_ns, step);
 }
 
-// advance() from states that follow from the whole log, and a moment on the way for the next seek.
-Status LogPlayer::replay(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
-  if (timeline_->can_go() && !driven.taken_over) {
+// advance(); from states that follow from the whole log, with a moment on the way for the next seek.
+Status LogPlayer::replay(TimeNs until_ns, DurationNs exposure_ns, bool exact, const Driven& driven) {
+  if (timeline_->can_go() && exact) {
     Status flushed;
     const TimeNs last_ns = until_ns - exposure_ns;
     FL_TRY(timeline_->advance_to_change(last_ns - kKeptNs, last_ns, flushing(driven.step, driven.frame, flushed)));
@@ -76,7 +78,7 @@ Status LogPlayer::replay(TimeNs until_ns, DurationNs exposure_ns, const Driven& 
 }
 
 Status LogPlayer::show(TimeNs until_ns, const Driven& driven) {
-  return replay(std::clamp<TimeNs>(until_ns, 0, duration_ns()), kExposureNs, driven);
+  return replay(std::clamp<TimeNs>(until_ns, 0, duration_ns()), kExposureNs, !driven.taken_over, driven);
 }
 
 Status LogPlayer::show_soon(TimeNs until_ns, const Driven& driven) {
@@ -100,13 +102,29 @@ const SeekIndex::Moment* LogPlayer::known_before(TimeNs time_ns, const Driven& d
 }
 
 Status LogPlayer::seek(TimeNs until_ns, const Driven& driven) {
+  FL_TRY(begin_seek(until_ns, driven));
+  while (seeking_) FL_TRY(work_at_seek(INT64_MAX, driven));
+  return {};
+}
+
+Status LogPlayer::begin_seek(TimeNs until_ns, const Driven& driven) {
   until_ns = std::clamp<TimeNs>(until_ns, 0, duration_ns());
   moves_in_pause_ = false;
   FL_TRY(driven.device.run_once(
       [&](VkCommandBuffer commands) { render::forget_exposure(commands, driven.frame.resources()); }));
-  // While something is taken over no states are those of the log, so going on from them is as good and sooner.
-  if (driven.taken_over && until_ns >= now_ns() + kExposureNs) return advance(until_ns, kExposureNs, driven);
-  return go_back(until_ns, kExposureNs, driven);
+  // While something is taken over no states are those of the log, so going on from them is as good and sooner. So is a
+  // seek that has not yet come as far.
+  const bool further = seeking_ && exact_ && !driven.taken_over;
+  const SeekIndex::Moment* known = known_before(until_ns - kExposureNs, driven);
+  const bool nearest = known == nullptr || known->position.now_ns <= timeline_->now_ns();
+  if ((driven.taken_over || (further && nearest)) && until_ns >= timeline_->now_ns() + kExposureNs) {
+    if (!seeking_) FL_TRY(keep_before(driven));
+    exact_ = further;
+    exposure_ns_ = kExposureNs;
+    seeking_ = {timeline_->now_ns(), timeline_->now_ns(), until_ns};
+    return {};
+  }
+  return begin_going_back(until_ns, kExposureNs, driven);
 }
 
 // Whether steps from now on lead to this time: it is not earlier, and no moment is near it and far ahead of now.
@@ -119,12 +137,12 @@ bool LogPlayer::goes_on(TimeNs until_ns, DurationNs exposure_ns, const Driven& d
 // Else from a moment or the start.
 Status LogPlayer::play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
   moves_in_pause_ = false;
-  if (!goes_on(until_ns, exposure_ns, driven)) return go_back(until_ns, exposure_ns, driven);
+  if (!goes_on(until_ns, exposure_ns, driven)) return begin_going_back(until_ns, exposure_ns, driven);
   return advance(until_ns, exposure_ns, driven);
 }
 
 bool LogPlayer::can_hold(const Transport& transport, DurationNs dt_ns, const Driven& driven) const {
-  if (transport.seek_ns || driven.frame.steps_are_due()) return false;
+  if (transport.seek_ns || seeking_ || driven.frame.steps_are_due()) return false;
   if (!transport.playing) return true;
   dt_ns = std::max<DurationNs>(dt_ns - sought_ns_, 0);
   Transport now = transport;
@@ -133,14 +151,24 @@ bool LogPlayer::can_hold(const Transport& transport, DurationNs dt_ns, const Dri
   return next_ns == now_ns() || goes_on(next_ns, std::min(dt_ns, kExposureNs), driven);
 }
 
+// For cancel_seek().
+Status LogPlayer::keep_before(const Driven& driven) {
+  before_.reset();
+  if (!timeline_->can_go()) return {};
+  FL_ASSIGN(render::FrameState state, driven.frame.save_state());
+  before_ = {timeline_->position(), std::move(state)};
+  return {};
+}
+
 // From the last moment before this time, else from the start of the log.
-Status LogPlayer::go_back(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
+Status LogPlayer::begin_going_back(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
   const TimeNs begun_ns = clock_.now_ns();
-  driven.restart();
   const SeekIndex::Moment* known = known_before(until_ns - exposure_ns, driven);
+  const TimeNs from_ns = known != nullptr ? known->position.now_ns : 0;
+  if (!seeking_ && until_ns - from_ns > kLongNs) FL_TRY(keep_before(driven));
+  driven.restart();
   if (known != nullptr) {
     FL_TRY(timeline_->go_to(known->position));
-    levels_ = known->position.levels;
     FL_TRY(driven.frame.load_state(known->state));
   } else {
     timeline_.emplace(read_());
@@ -149,20 +177,63 @@ Status LogPlayer::go_back(TimeNs until_ns, DurationNs exposure_ns, const Driven&
         [&](VkCommandBuffer commands) { render::forget_states(commands, driven.frame.resources()); }));
     driven.frame.forget_air();
   }
-  FL_TRY(replay(until_ns, exposure_ns, driven));
-  FL_TRY(driven.frame.run_steps());
+  exact_ = !driven.taken_over;
+  exposure_ns_ = exposure_ns;
+  seeking_ = {from_ns, from_ns, until_ns};
   sought_ns_ += clock_.now_ns() - begun_ns;
+  return {};
+}
+
+// At least one stride of it.
+Status LogPlayer::work_at_seek(DurationNs budget_ns, const Driven& driven) {
+  const TimeNs begun_ns = clock_.now_ns();
+  const TimeNs last_ns = seeking_->until_ns - exposure_ns_;
+  exact_ = exact_ && !driven.taken_over;
+  // replay() has the rest.
+  for (bool more = true; more && timeline_->now_ns() < last_ns - kKeptNs;) {
+    Status flushed;
+    const TimeNs next_ns = std::min(timeline_->now_ns() + kStrideNs, last_ns - kKeptNs);
+    FL_ASSIGN(more, timeline_->advance_to_change(next_ns, last_ns, flushing(driven.step, driven.frame, flushed)));
+    FL_TRY(flushed);
+    seeking_->at_ns = timeline_->now_ns();
+    const DurationNs took_ns = clock_.now_ns() - begun_ns;
+    if (more && took_ns >= budget_ns) {
+      FL_TRY(driven.frame.run_steps());
+      sought_ns_ += clock_.now_ns() - begun_ns;
+      return {};
+    }
+  }
+  FL_TRY(replay(seeking_->until_ns, exposure_ns_, exact_, driven));
+  FL_TRY(driven.frame.run_steps());
+  seeking_.reset();
+  before_.reset();
+  sought_ns_ += clock_.now_ns() - begun_ns;
+  return {};
+}
+
+Status LogPlayer::cancel_seek(const Driven& driven) {
+  if (!seeking_) return {};
+  seeking_.reset();
+  driven.restart();
+  if (!before_) return advance(timeline_->now_ns() + kExposureNs, kExposureNs, driven);
+  FL_TRY(driven.frame.run_steps());
+  FL_TRY(timeline_->go_to(before_->position));
+  levels_ = before_->position.levels;
+  FL_TRY(driven.frame.load_state(before_->state));
+  before_.reset();
   return {};
 }
 
 Status LogPlayer::turn(Transport& transport, DurationNs dt_ns, const Driven& driven) {
   FL_CHECK(!driven.holds_steps || can_hold(transport, dt_ns, driven));
   dt_ns = std::max<DurationNs>(dt_ns - std::exchange(sought_ns_, 0), 0);
+  if (std::exchange(transport.cancels_seek, false)) FL_TRY(cancel_seek(driven));
   transport.now_ns = now_ns();
   const TimeNs next_ns = transport.playing ? transport.next_ns(dt_ns) : now_ns();
   if (transport.seek_ns) {
-    FL_TRY(seek(*transport.seek_ns, driven));
-    transport.seek_ns.reset();
+    FL_TRY(begin_seek(*std::exchange(transport.seek_ns, std::nullopt), driven));
+  } else if (seeking_) {
+    // The time of its parts is not played.
   } else if (next_ns != now_ns()) {
     FL_TRY(play_to(next_ns, std::min(dt_ns, kExposureNs), driven));
   } else {
@@ -170,13 +241,15 @@ Status LogPlayer::turn(Transport& transport, DurationNs dt_ns, const Driven& dri
     moves_in_pause_ = moves_in_pause_ || driven.taken_over;
     if (moves_in_pause_ && !levels_.empty()) driven.step(levels_, dt_ns, true);
   }
+  if (seeking_) FL_TRY(work_at_seek(kPartNs, driven));
+  transport.seeking = seeking_;
   transport.now_ns = now_ns();
   transport.known_ns = index_ && !driven.taken_over ? index_->known_ns() : 0;
   return {};
 }
 
 Status LogPlayer::work_at_index(DurationNs budget_ns, const Driven& driven) {
-  if (!index_ || index_->done()) return {};
+  if (!index_ || index_->done() || seeking_) return {};
   Status worked = index_->work(driven.frame, clock_, budget_ns);
   if (worked || driven.device.lost()) return worked;
   index_.reset();

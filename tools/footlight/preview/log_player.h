@@ -1,8 +1,9 @@
 // A log that drives the fixtures of a window: it plays, stands still, and goes to any time.
 //
 // A seek gives the states of a replay from the start of the log, to the bit. It begins at the last moment before its
-// time, of an index (SeekIndex) or of the seek before, or at the start. While the log plays, steps are cut at the times
-// of pictures, so the states differ from those of a replay in their last bits. Needs no window. One thread.
+// time, of an index (SeekIndex) or of the seek before, or at the start. Where that takes long, it is made in parts, one
+// each turn, and can be cancelled. While the log plays, steps are cut at the times of pictures, so the states differ
+// from those of a replay in their last bits. Needs no window. One thread.
 #pragma once
 
 #include <functional>
@@ -33,6 +34,7 @@ void extend(LightStrips& strips, const SeekIndex& index, std::size_t moments_max
 class LogPlayer {
  public:
   static constexpr DurationNs kExposureNs = 20 * kNsPerMs;  // of a picture after a seek, as `footlight render --at`
+  static constexpr DurationNs kPartNs = 20 * kNsPerMs;      // of real time: a part of a seek
 
   // What the log drives.
   struct Driven {
@@ -53,11 +55,17 @@ class LogPlayer {
   Status show(TimeNs until_ns, const Driven& driven);
   Status show_soon(TimeNs until_ns, const Driven& driven);
 
-  Status seek(TimeNs until_ns, const Driven& driven);
+  Status seek(TimeNs until_ns, const Driven& driven);  // all of it
 
-  // The steps of one picture, as `transport` has it: a seek, playing or a pause. Sets its times. dt_ns >= 0: since the
-  // last call; the part of it that a seek took is not played. In a pause, and at the end of the log, fixtures stand
-  // still until something is taken over; then they go on with the levels held.
+  // A seek that is under way: fixtures are at a time between, and levels() are those from before it.
+  [[nodiscard]] const std::optional<Transport::Seeking>& seeking() const { return seeking_; }
+  // Back to where the fixtures were before it. With VRSL's fixtures, whose states cannot be put back, it ends where it
+  // has come to. Without one nothing happens.
+  Status cancel_seek(const Driven& driven);
+
+  // The steps of one picture, as `transport` has it: a part of a seek, playing or a pause. Sets its times. dt_ns >= 0:
+  // since the last call; the part of it that a seek took is not played. In a pause, and at the end of the log, fixtures
+  // stand still until something is taken over; then they go on with the levels held.
   Status turn(Transport& transport, DurationNs dt_ns, const Driven& driven);
   // Whether turn() needs nothing but to note steps in the frame. Required of a turn() with Driven::holds_steps.
   [[nodiscard]] bool can_hold(const Transport& transport, DurationNs dt_ns, const Driven& driven) const;
@@ -67,7 +75,8 @@ class LogPlayer {
   Status work_at_index(DurationNs budget_ns, const Driven& driven);
   [[nodiscard]] std::string take_news() { return std::exchange(news_, {}); }
 
-  [[nodiscard]] TimeNs now_ns() const { return timeline_->now_ns(); }
+  // Of a seek that is under way: its end.
+  [[nodiscard]] TimeNs now_ns() const { return seeking_ ? seeking_->until_ns : timeline_->now_ns(); }
   [[nodiscard]] DurationNs duration_ns() const { return timeline_->duration_ns(); }
   [[nodiscard]] std::span<const std::uint8_t> levels() const { return levels_; }  // of the last step; none before one
   [[nodiscard]] const SeekIndex* index() const { return index_ ? &*index_ : nullptr; }  // null: VRSL's fixtures
@@ -76,8 +85,11 @@ class LogPlayer {
   [[nodiscard]] const SeekIndex::Moment* known_before(TimeNs time_ns, const Driven& driven) const;
   [[nodiscard]] bool goes_on(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) const;
   Status play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
-  Status go_back(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
-  Status replay(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
+  Status begin_seek(TimeNs until_ns, const Driven& driven);
+  Status begin_going_back(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
+  Status work_at_seek(DurationNs budget_ns, const Driven& driven);
+  Status keep_before(const Driven& driven);
+  Status replay(TimeNs until_ns, DurationNs exposure_ns, bool exact, const Driven& driven);
   Status advance(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
 
   std::function<Timeline()> read_;
@@ -85,6 +97,10 @@ class LogPlayer {
   std::optional<Timeline> timeline_;  // always there
   std::optional<SeekIndex> index_;
   std::optional<SeekIndex::Moment> kept_;  // shortly before where the last seek came to
+  std::optional<Transport::Seeking> seeking_;
+  DurationNs exposure_ns_ = 0;               // of its picture
+  bool exact_ = false;                       // its steps are those of a replay
+  std::optional<SeekIndex::Moment> before_;  // where the fixtures were
   std::vector<std::uint8_t> levels_;
   std::string news_;
   DurationNs sought_ns_ = 0;     // that seeks took since the last turn() began

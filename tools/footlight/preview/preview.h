@@ -19,6 +19,7 @@ struct PreviewOptions {
   std::vector<std::string> ins;      // endpoints; if there are any but controls, no log drives the rig
   std::vector<std::string> outputs;  // endpoints to real lamps; each sends nothing until the user arms it
   std::string socket = "auto";       // for commands by hand: a file, auto or none
+  std::string compare;               // log whose levels are compared with those of the window; empty: none
   std::string record;                // log of what the fixtures get, from the start; empty: none
   std::string recordings;            // folder of recordings that begin in the window; empty: that of the rig
   std::string size = "1280x720";

@@ -88,7 +88,7 @@ void Preview::print_second() {
   line["outputs_live"] = outputs_view_.live_count();
   line["blackout"] = outputs_view_.darkness != Darkness::kNone;
   if (player_) line["time_ns"] = player_->now_ns();
-  if (player_) line["stands"] = !controls_.transport.playing && !controls_.transport.seek_ns;
+  if (player_) line["stands"] = !controls_.transport.playing && !controls_.transport.seek_ns && !player_->seeking();
   if (player_) line["thumbnails"] = thumbnails_.pictures().all().size();
   if (player_) line["thumbnail_ms"] = static_cast<double>(thumbnails_.took_ns()) * 1e-6;
   if (player_ && player_->index() != nullptr) line["indexed_ns"] = player_->index()->known_ns();
@@ -112,6 +112,7 @@ void Preview::print_summary() {
   line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
   line["ui_fps"] = elapsed_s > 0 ? static_cast<double>(turn_times_.count()) / elapsed_s : 0;
   line["view_pictures"] = view_pictures();
+  line["ui_scale"] = window_->ui_scale();
   line["validation_messages"] = validation_messages();
   fmt::print("{}\n", line.dump());
 }

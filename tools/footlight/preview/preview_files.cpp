@@ -63,11 +63,13 @@ void Preview::draw_open_question() {
                          : "The window opens again with this rig and the log; inputs are closed.";
   if (outputs_ && outputs_view_.any_on()) then += " Armed outputs go dark.";
   const auto answer =
-      open_question_.draw(fmt::format("Open {}?", name_of(rig ? asked_next_->rig : asked_next_->log)), then);
+      open_question_.draw(fmt::format("Open {}?", name_of(rig ? asked_next_->rig : asked_next_->log)), then, !rig);
   if (!answer) return;
-  if (*answer) {
+  if (*answer == OpenAnswer::kOpen) {
     next_ = std::move(asked_next_);
     closing_ = true;
+  } else if (*answer == OpenAnswer::kCompare) {
+    if (const Status opened = compare_with(asked_next_->log); !opened) tell(opened.error());
   }
   asked_next_.reset();
 }

@@ -11,6 +11,7 @@
 #include "tools/footlight/preview/preview_window.h"
 #include "tools/footlight/preview/ui/draw_handles.h"
 #include "tools/footlight/preview/ui/draw_measure.h"
+#include "tools/footlight/preview/ui/draw_busy.h"
 #include "tools/footlight/preview/ui/escape.h"
 #include "tools/footlight/preview/ui/live_band.h"
 #include "tools/footlight/preview/ui/menu.h"
@@ -73,6 +74,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
   const PixelRect whole = place();
   const double scale = static_cast<double>(window_->pixels_per_unit());
   const glm::dvec2 size(whole.width / scale, whole.height / scale);
+  follow_compared_log();
   if (panels_.any_open()) {
     UiInput input;
     input.levels = panel_levels();
@@ -112,11 +114,14 @@ void Preview::draw_ui(DurationNs dt_ns) {
   show_exposure();
   draw_questions();
   if (std::string news = desk_->take_news(); !news.empty()) tell(std::move(news));
+  if (desk_->take_forgot()) tell("undo needed more than a gibibyte: its oldest steps are forgotten");
   draw_toasts(messages_, begun_ns, {static_cast<float>(size.x), static_cast<float>(size.y)},
               window_->ui_scale());
   const auto width = static_cast<float>(size.x);
   const float below = outputs_ ? draw_live_band(outputs_view_, width, window_->ui_scale()) : 0;
   draw_made_up_tag(inputs_view_, width, below);
+  const float tags = made_up_words(inputs_view_).empty() ? below : below + 2 * ImGui::GetFontSize();
+  if (busy_mark_.draw(busy(), clock_.now_ns(), width, tags, window_->ui_scale())) cancel_busy();
   if (recording_) draw_recording_mark(recording_->elapsed_ns(), window_->ui_scale());
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
   window_->end_ui();
@@ -346,8 +351,13 @@ void Preview::call(const UiCall& call) {
     case UiAction::kRecord: toggle_recording(); break;
     case UiAction::kTap: tap(); break;
     case UiAction::kPalette: palette_.open(); break;
-    case UiAction::kEscape: closing_ = !close_topmost(panels_, *desk_) || closing_; break;
+    case UiAction::kEscape: escape(); break;
   }
+}
+
+void Preview::escape() {
+  if (busy_mark_.can_cancel() && !ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) return cancel_busy();
+  closing_ = !close_topmost(panels_, *desk_) || closing_;
 }
 
 void Preview::show_handles(bool on) {
@@ -370,14 +380,6 @@ void Preview::draw_measures() {
     under_m = measured_point(edited_->scene()->rig, pick(), where, {io.MousePos.x, io.MousePos.y});
   }
   draw_measure(measure, under_m, where, window_->ui_scale());
-}
-
-// Opens the panel that shows the comparison.
-void Preview::compare_from_here() {
-  if (desk_->compiled().universes.empty()) return;
-  const std::optional<TimeNs> log_ns = player_ ? std::optional(controls_.transport.now_ns) : std::nullopt;
-  desk_->comparison() = {keep_levels(desk_->compiled().universes, panel_levels(), log_ns), std::nullopt};
-  (void)panels_.open_words("universes", *desk_);
 }
 
 void Preview::expose(double steps_ev) {

@@ -65,10 +65,48 @@ void Preview::follow_first_picture(const PixelRect& where) {
   for (View& view : views_) view.pictures = 0;  // those that count
 }
 
+// Whether a frame of other settings can begin: what its pictures need is compiled by other threads meanwhile, and the
+// one before goes on.
+bool Preview::is_compiled(const PixelRect& where) {
+  const render::FrameSettings wanted = frame_settings(where, is_rough_);
+  if (compiling_ != wanted) {
+    compiling_ = wanted;
+    frame_->compile_ahead(wanted);
+  }
+  if (!times_out_ && !device_->pipelines().finished()) return false;
+  compiling_.reset();
+  return true;
+}
+
+// What the user waits for.
+Busy Preview::busy() const {
+  if (player_ && player_->seeking()) return busy_with(*player_->seeking());
+  if (reading_curves_.valid()) return {BusyWith::kKnobs, "measuring this machine", curves_share_.load(), true};
+  if (making_.valid()) {
+    return {BusyWith::kEdit, "preparing the picture of the edited rig; Ctrl+Z undoes the edit", std::nullopt, false};
+  }
+  if (compiling_) return {BusyWith::kShaders, "compiling shaders; the picture goes on as it was", std::nullopt, false};
+  return {};
+}
+
+void Preview::cancel_busy() {
+  if (player_ && player_->seeking()) {
+    controls_.transport.cancels_seek = true;
+  } else if (reading_curves_.valid()) {
+    wants_curves_ = false;
+    ask_for_quality({});
+    stops_curves_ = stopped_curves_ = true;
+  }
+}
+
 // The curves of this machine, which take seconds to measure the first time. Any thread.
 Result<render::KnobCurves> Preview::read_curves() {
   KnobCurveOptions curve_options = suited_curve_options(*device_);
-  curve_options.go_on = [this](double, double) { return !closed_ && !stops_curves_; };
+  curves_share_ = 0;
+  curve_options.go_on = [this](double done, double all) {
+    curves_share_ = all > 0 ? done / all : 0;
+    return !closed_ && !stops_curves_;
+  };
   return machine_knob_curves(*device_, cache_folder(), curve_options, [this] {
     if (!options_.json) fmt::print(stderr, "footlight: measuring the knobs of {}\n", device_->name());
   });

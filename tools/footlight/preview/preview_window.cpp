@@ -73,6 +73,7 @@ Result<int> Preview::open_and_turn() {
     window_device_->lose_after(std::strtoull(submits, nullptr, 10));
   }
   if (!options_.record.empty()) FL_TRY(start_recording(options_.record));
+  if (!options_.compare.empty()) FL_TRY(compare_with(options_.compare));
   while (!signal.came() && !((window_->wants_close() || closing_) && may_close())) {
     Status turned = turn();
     if (!turned) window_->poll();  // Vulkan may see it first
@@ -171,12 +172,20 @@ Status Preview::turn_stage(const PixelRect& where) {
   }
   FL_TRY(follow_views());
   FL_TRY(follow_flashes());
-  if (!fits_controls(where)) FL_TRY(rebuild(where));
+  if (fits_controls(where)) {
+    compiling_.reset();
+  } else if (is_compiled(where)) {
+    FL_TRY(rebuild(where));
+  }
   FL_TRY(update_error());
   follow_report();
   follow_inputs();
   FL_TRY(step_levels());
   keep_recording();
+  if (player_ && player_->seeking()) {  // nothing between is shown
+    picture_since_ns_ = -1;
+    return {};
+  }
   show_videos();
   if (window_->minimised()) {  // the fixtures continue without pictures
     picture_since_ns_ = -1;
@@ -480,6 +489,7 @@ constexpr double kSecondsLeast = 1e-3;  // of --seconds that are over: 0 is with
 // has set it since.
 void leave_to_next(PreviewOptions& options, const Preview& preview) {
   options.record.clear();
+  options.compare.clear();
   options.recover = false;
   options.at_ns = 0;
   options.news.clear();

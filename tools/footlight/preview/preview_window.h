@@ -29,6 +29,7 @@
 #include "tools/footlight/edit/autosave.h"
 #include "tools/footlight/mvr/exchange_follower.h"
 #include "tools/footlight/pictures/timeline.h"
+#include "tools/footlight/preview/compared_log.h"
 #include "tools/footlight/preview/edited_scene.h"
 #include "tools/footlight/preview/frame_times.h"
 #include "tools/footlight/preview/hand_layer.h"
@@ -42,6 +43,7 @@
 #include "tools/footlight/preview/preview_panel.h"
 #include "tools/footlight/preview/recording.h"
 #include "tools/footlight/preview/stage_picture.h"
+#include "tools/footlight/preview/ui/draw_busy.h"
 #include "tools/footlight/preview/ui/inputs_view.h"
 #include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/messages.h"
@@ -132,6 +134,9 @@ class Preview {
   [[nodiscard]] std::string folder_for_rigs() const;
   // What the user changes of the picture: preview_picture.cpp.
   void take_picture_requests();
+  [[nodiscard]] bool is_compiled(const PixelRect& where);
+  [[nodiscard]] Busy busy() const;
+  void cancel_busy();
   [[nodiscard]] double haze_per_m() const;
   Status follow_flashes();
   void ask_for_quality(const render::QualityRequest& request);
@@ -222,8 +227,12 @@ class Preview {
   bool take_handles();
   bool take_box(bool handle);
   void cancel_drags();
+  void escape();
   void show_handles(bool on);
+  // Comparisons: preview_compare.cpp.
   void compare_from_here();
+  Status compare_with(const std::string& path);
+  void follow_compared_log();
   void draw_measures();
   void step_history(bool back);
   void call(const UiCall& call);
@@ -306,6 +315,8 @@ class Preview {
   TimeNs step_ns_ = 0;                    // when the step that is given next begins, of live inputs and faders
   std::unique_ptr<LiveOutputs> outputs_;  // null: there are none
   OutputsView outputs_view_;
+  std::unique_ptr<ComparedLog> compared_;  // whose levels are A of the comparison; null: none
+  TimeNs compared_since_ns_ = 0;           // without a log that plays: when it began
   DisplayVideos videos_;             // of displays; without those that have failed
   bool outputs_told_ = false;        // that there are some, with the first picture
   TimeNs looked_ns_ = 0;             // for devices that are plugged in
@@ -352,6 +363,10 @@ class Preview {
   std::future<Result<render::KnobCurves>> reading_curves_;  // valid: they are measured or read
   std::atomic<bool> stops_curves_ = false;
   bool stopped_curves_ = false;  // since they were begun
+  std::atomic<double> curves_share_ = 0;  // of the measurement that is done
+  // Of a frame that is to be another one for its size or settings, while what it needs is compiled.
+  std::optional<render::FrameSettings> compiling_;
+  BusyMark busy_mark_;
   bool wants_curves_ = false;    // also without a request for an error or a time
   const std::size_t report_panel_ = panel_of("report");
   ReportView report_;

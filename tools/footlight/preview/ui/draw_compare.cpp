@@ -1,6 +1,7 @@
 #include "tools/footlight/preview/ui/draw_compare.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
@@ -16,6 +17,22 @@ namespace {
 
 std::optional<TimeNs> log_time(const UiInput& input) {
   return input.transport != nullptr ? std::optional(input.transport->now_ns) : std::nullopt;
+}
+
+// Another log: its name, its time, and how far it is ahead of the window.
+void draw_log(KeptLevels& kept, float scale) {
+  ui_text(kept.log);
+  ImGui::SameLine(0, 4);
+  ui_text(kUiDim, kept.when);
+  ImGui::SameLine(0, 4);
+  ImGui::SetNextItemWidth(84 * scale);
+  auto offset_s = static_cast<float>(static_cast<double>(kept.offset_ns) * 1e-9);
+  if (ImGui::DragFloat("##offset", &offset_s, 0.02f, -36000, 36000, "%+.2f s")) {
+    kept.offset_ns = std::llround(static_cast<double>(std::clamp(offset_s, -36000.0f, 36000.0f)) * 1e9);
+  }
+  if (ImGui::IsItemHovered()) {
+    ImGui::SetTooltip("The time of this log is later by so much. A click with Ctrl lets it be typed.");
+  }
 }
 
 // The button that goes to where a kept moment is in the log.
@@ -49,7 +66,11 @@ void CompareView::draw_row(UiDesk& desk, const UiInput& input, Universe universe
   ImGui::PushID("a");
   ui_text(kUiAmber, "A");
   ImGui::SameLine(0, 4);
-  ui_text(both.a->when);
+  if (both.a->log.empty()) {
+    ui_text(both.a->when);
+  } else {
+    draw_log(*both.a, input.scale);
+  }
   ImGui::SameLine(0, 4);
   if (ImGui::SmallButton("here")) both.a = keep();
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("A is this moment.");

@@ -1,5 +1,5 @@
-// Two moments that the window compares: one that was kept, and now or another one that was kept. Not an edit: it is
-// lost when the window closes, and undo does not change it.
+// Two moments that the window compares: one that was kept, or another log at the time of the window, and now or another
+// one that was kept. Not an edit: it is lost when the window closes, and undo does not change it.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,8 @@ struct KeptLevels {
   LevelMoment moment;  // that the fixtures got
   std::string when;    // time of the log, or of the day
   std::optional<TimeNs> log_ns;
+  std::string log;           // name of another log whose levels these are, at any time; empty: a moment that was kept
+  DurationNs offset_ns = 0;  // then: its time minus that of the window
 };
 
 struct LevelComparison {

@@ -36,23 +36,28 @@ std::optional<CloseAnswer> CloseQuestion::draw(const std::string& target, const 
   return answer;
 }
 
-std::optional<bool> OpenQuestion::draw(const std::string& what, const std::string& then) {
+std::optional<OpenAnswer> OpenQuestion::draw(const std::string& what, const std::string& then, bool compares) {
   constexpr const char* kTitle = "Open a file";
   if (!open_) ImGui::OpenPopup(kTitle);
-  std::optional<bool> answer;
+  std::optional<OpenAnswer> answer;
   ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Appearing, {0.5f, 0.5f});
   if (ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize)) {
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
     ui_text(what);
     ui_text(kUiDim, then);
     ImGui::PopTextWrapPos();
-    if (ImGui::Button("Open")) answer = true;
+    if (compares) ui_text(kUiDim, "Compare: its levels are shown beside those of now, and nothing else changes.");
+    if (ImGui::Button("Open")) answer = OpenAnswer::kOpen;
     ImGui::SameLine();
-    if (ImGui::Button("Stay")) answer = false;
+    if (compares) {
+      if (ImGui::Button("Compare")) answer = OpenAnswer::kCompare;
+      ImGui::SameLine();
+    }
+    if (ImGui::Button("Stay")) answer = OpenAnswer::kStay;
     if (answer) ImGui::CloseCurrentPopup();
     ImGui::EndPopup();
   } else if (open_) {
-    answer = false;
+    answer = OpenAnswer::kStay;
   }
   open_ = !answer;
   return answer;

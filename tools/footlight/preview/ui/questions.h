@@ -19,11 +19,13 @@ class CloseQuestion {
   bool open_ = false;
 };
 
-// Whether another rig or log is opened instead, from the first call of draw() until an answer. Esc means no.
+enum class OpenAnswer { kOpen, kCompare, kStay };
+
+// Whether another rig or log is opened instead, from the first call of draw() until an answer. Esc means to stay.
 class OpenQuestion {
  public:
-  // what: "Open show.mvr?". then: what happens with a yes.
-  [[nodiscard]] std::optional<bool> draw(const std::string& what, const std::string& then);
+  // what: "Open show.mvr?". then: what happens with a yes. compares: it is a log, which may be compared with.
+  [[nodiscard]] std::optional<OpenAnswer> draw(const std::string& what, const std::string& then, bool compares);
 
  private:
   bool open_ = false;

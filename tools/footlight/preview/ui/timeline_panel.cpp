@@ -202,6 +202,7 @@ class TimelinePanel final : public Panel {
       ImGui::EndTooltip();
     }
     line(transport.seek_ns.value_or(transport.now_ns), kUiAmber);
+    if (transport.seeking) line(transport.seeking->at_ns, kUiGreen);
     const bool partly = transport.known_ns > 0 && transport.known_ns < transport.duration_ns;
     ui_text(kUiDim, partly ? fmt::format("mean level of all dimmers; known up to {}", time_text(transport.known_ns))
                            : std::string("mean level of all dimmers"));

@@ -23,6 +23,13 @@ struct Transport {
   TimeNs now_ns = 0;
   DurationNs duration_ns = 0;
   TimeNs known_ns = 0;  // seeks up to here are quick (SeekIndex); 0 while channels are taken over
+  // Of a seek that takes several turns: where its steps began, are and end. now_ns is its end meanwhile.
+  struct Seeking {
+    TimeNs from_ns = 0;
+    TimeNs at_ns = 0;
+    TimeNs until_ns = 0;
+  };
+  std::optional<Seeking> seeking;
 
   // What the user asks for.
   bool playing = true;
@@ -32,6 +39,7 @@ struct Transport {
   std::optional<TimeNs> from_ns;
   std::optional<TimeNs> to_ns;
   std::optional<TimeNs> seek_ns;  // the loop carries it out and resets it
+  bool cancels_seek = false;      // likewise
 
   // Whether a seek to this time is quick enough to follow a drag.
   [[nodiscard]] bool is_quick(TimeNs time_ns) const { return time_ns <= known_ns || duration_ns <= kQuickLogNs; }

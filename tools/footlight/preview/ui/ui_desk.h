@@ -81,6 +81,7 @@ class UiDesk {
   [[nodiscard]] const RigIndex& index();
   [[nodiscard]] const UiState& state() const { return state_; }
   [[nodiscard]] const UiHistory& history() const { return history_; }
+  [[nodiscard]] bool take_forgot() { return history_.take_forgot(); }
 
   void run(UiCommand command) { history_.run(state_, std::move(command), gesture_); }
   // What the commands that follow belong to, until the next call: a drag is one gesture.

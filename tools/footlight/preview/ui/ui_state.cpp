@@ -259,9 +259,10 @@ void UiHistory::run(UiState& state, UiCommand command, std::uint64_t gesture) {
     bytes_ += bytes_of(command);
     commands_.push_back(std::move(command));
   }
-  while (commands_.size() > kCommandsMax || (bytes_ > kBytesMax && commands_.size() > 1)) {
+  while (bytes_ > bytes_max_ && commands_.size() > 1) {
     bytes_ -= bytes_of(commands_.front());
     commands_.pop_front();
+    forgot_ = true;
   }
   done_ = commands_.size();
 }

@@ -153,13 +153,14 @@ struct EditRig {
 using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera, SetExposure, EditMarkers, EditRig>;
 [[nodiscard]] std::string text_of(const UiCommand& command, const fixtures::Rig& rig);
 
-// The commands so far, and those that were undone. Keeps the last kCommandsMax of them, and fewer if they need more
-// than kBytesMax: a drag of one channel of 10,000 fixtures needs 240 kB, so 139 such drags are kept; an edit of 10,000
-// fixtures of the rig needs some 12 MB. The last command is kept whatever it needs.
+// The commands so far, and those that were undone. Forgets the oldest ones when they need more than bytes_max: a drag
+// of one channel of 10,000 fixtures needs 240 kB, an edit of 10,000 fixtures of the rig some 12 MB. The last command is
+// kept whatever it needs.
 class UiHistory {
  public:
-  static constexpr std::size_t kCommandsMax = 1000;
-  static constexpr std::size_t kBytesMax = std::size_t{32} << 20;
+  static constexpr std::size_t kBytesMax = std::size_t{1} << 30;  // 4,400 such drags
+
+  explicit UiHistory(std::size_t bytes_max = kBytesMax) : bytes_max_(bytes_max) {}
 
   // Applies a command and remembers it; forgets what was undone. A command that changes nothing is not remembered.
   // Commands of one gesture, such as the drag of a slider, become one if they edit the same; 0: no gesture.
@@ -174,10 +175,14 @@ class UiHistory {
   bool drop(UiState& state, std::uint64_t gesture);
   // Forgets what was undone.
   void forget_undone();
+  // Whether commands were forgotten for want of memory since the last call.
+  [[nodiscard]] bool take_forgot() { return std::exchange(forgot_, false); }
   // What the commands need.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
  private:
+  std::size_t bytes_max_;
+  bool forgot_ = false;
   std::deque<UiCommand> commands_;
   std::size_t bytes_ = 0;      // of commands_
   std::size_t done_ = 0;       // of commands_ are applied

@@ -1,0 +1,72 @@
+// What the window shows while its picture waits.
+#include <optional>
+#include <string>
+
+#include <imgui/imgui.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/tools/footlight/panels_test_imgui.h"
+#include "tools/footlight/preview/ui/draw_busy.h"
+
+namespace footlight::tools {
+namespace {
+
+struct BusyUi : testing::DrawnUi {
+  void draw() override { cancels = mark.draw(busy, now_ns += kNsPerS / 60, 640, 20, 1); }
+  void wait(DurationNs ns) { now_ns += ns; }
+
+  testing::HeadlessImGui imgui{640, 400};
+  BusyMark mark;
+  Busy busy;
+  TimeNs now_ns = kNsPerS;
+  bool cancels = false;
+};
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST_CASE("what the picture waits for is shown after half a second, with its share and a button that cancels") {
+  BusyUi ui;
+  ui.busy = busy_with({10 * kNsPerS, 40 * kNsPerS, 130 * kNsPerS});
+  CHECK(!has(ui.words(), "going to"));
+  CHECK(!ui.mark.can_cancel());
+  ui.wait(BusyMark::kPatienceNs);
+  const std::string words = ui.words();
+  CHECK(has(words, "going to 2:10.0 of the log"));
+  CHECK(has(words, "25%"));
+  CHECK(ui.mark.can_cancel());
+  ui.frame();
+  CHECK(!ui.cancels);
+  testing::activate("busy", {"cancel (Esc)"});
+  ui.frame();
+  CHECK(ui.cancels);
+  ui.busy = {};
+  CHECK(!has(ui.words(), "going to"));
+  CHECK(!ui.mark.can_cancel());
+}
+
+TEST_CASE("what cannot be cancelled has no button, and another thing to wait for has half a second of its own") {
+  BusyUi ui;
+  ui.busy = {BusyWith::kEdit, "preparing the picture", std::nullopt, false};
+  ui.frame();
+  ui.wait(3 * kNsPerS);
+  const std::string words = ui.words();
+  CHECK(has(words, "preparing the picture"));
+  CHECK(has(words, "3 s"));
+  CHECK(!has(words, "cancel"));
+  CHECK(!ui.mark.can_cancel());
+  ui.busy = {BusyWith::kKnobs, "measuring this machine", 0.5, true};
+  CHECK(!has(ui.words(), "measuring"));
+  ui.wait(BusyMark::kPatienceNs);
+  CHECK(has(ui.words(), "measuring this machine"));
+  CHECK(ui.mark.can_cancel());
+}
+
+TEST_CASE("the share of a seek is between nothing and all of it, also where it ends where it begins") {
+  CHECK(*busy_with({kNsPerS, kNsPerS, kNsPerS}).share == 0);
+  CHECK(*busy_with({0, 5 * kNsPerS, 4 * kNsPerS}).share == 1);
+  CHECK(*busy_with({4 * kNsPerS, 2 * kNsPerS, 8 * kNsPerS}).share == 0);
+}
+
+}  // namespace
+}  // namespace footlight::tools

@@ -1,0 +1,42 @@
+// Another log whose levels the window compares with its own, time by time. Needs no window. One thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/dmx_log/dmx_log.h"
+#include "tools/footlight/monitor/level_moment.h"
+#include "tools/footlight/pictures/log_changes.h"
+
+namespace footlight::tools {
+
+class ComparedLog {
+ public:
+  // universes: those of the rig, ascending; others are left out.
+  [[nodiscard]] static Result<ComparedLog> open(const std::string& path, std::vector<Universe> universes);
+
+  // The levels at a time of this log, which may be any. Before its start and after its end they are those there. Quick
+  // if the times of calls ascend by seconds at most. Errors name the file; the levels are then those from before.
+  Status go_to(TimeNs time_ns);
+  [[nodiscard]] const LevelMoment& moment() const { return moment_; }
+
+  // After an edit of the rig.
+  Status set_universes(std::vector<Universe> universes);
+
+  [[nodiscard]] const std::string& name() const { return name_; }  // of the file, without its folder
+  [[nodiscard]] DurationNs duration_ns() const { return duration_ns_; }
+
+ private:
+  ComparedLog(LogReader reader, std::string name, std::vector<Universe> universes);
+
+  LogReader reader_;  // not read itself
+  std::string name_;
+  DurationNs duration_ns_ = 0;
+  LogChanges changes_;
+  LevelMoment moment_;
+  TimeNs now_ns_ = -1;   // of moment_; -1: nothing was read
+  LevelChange next_;     // universe -1: none was read ahead
+  bool at_end_ = false;  // there is no further change
+};
+
+}  // namespace footlight::tools

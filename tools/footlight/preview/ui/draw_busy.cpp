@@ -1,0 +1,53 @@
+#include "tools/footlight/preview/ui/draw_busy.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <imgui/imgui.h>
+
+#include "tools/footlight/preview/ui/ui_theme.h"
+
+namespace footlight::tools {
+
+Busy busy_with(const Transport::Seeking& seeking) {
+  const double all = static_cast<double>(std::max<DurationNs>(seeking.until_ns - seeking.from_ns, 1));
+  const double done = static_cast<double>(seeking.at_ns - seeking.from_ns);
+  return {BusyWith::kSeek, fmt::format("going to {} of the log", time_text(seeking.until_ns)),
+          std::clamp(done / all, 0.0, 1.0), true};
+}
+
+bool BusyMark::draw(const Busy& busy, TimeNs now_ns, float stage_width, float y, float scale) {
+  if (busy.with != with_) {
+    with_ = busy.with;
+    since_ns_ = now_ns;
+  }
+  const DurationNs lasts_ns = now_ns - since_ns_;
+  can_cancel_ = false;
+  if (with_ == BusyWith::kNothing || lasts_ns < kPatienceNs) return false;
+  can_cancel_ = busy.can_cancel;
+  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
+                                      ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                                      ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav;
+  ImGui::SetNextWindowPos({std::max(stage_width, 1.0f) / 2, y + 8 * scale}, ImGuiCond_Always, {0.5f, 0});
+  bool cancels = false;
+  if (ImGui::Begin("busy", nullptr, kFlags)) {
+    ui_text(busy.words);
+    const float width = std::max(200 * scale, ImGui::CalcTextSize(busy.words.c_str()).x);
+    const float button = 96 * scale;
+    if (busy.share) {
+      ImGui::ProgressBar(static_cast<float>(*busy.share),
+                         {busy.can_cancel ? width - button - ImGui::GetStyle().ItemSpacing.x : width, 0});
+    } else {
+      ui_text(kUiDim, fmt::format("{:.0f} s", static_cast<double>(lasts_ns) * 1e-9));
+    }
+    if (busy.can_cancel) {
+      ImGui::SameLine();
+      cancels = ImGui::Button("cancel (Esc)", {button, 0});
+    }
+  }
+  ImGui::End();
+  return cancels;
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,39 @@
+// What the picture waits for, over the stage, once that has lasted for half a second. Dear ImGui only.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sim/core/clock.h"
+#include "tools/footlight/preview/ui/transport.h"
+
+namespace footlight::tools {
+
+enum class BusyWith { kNothing, kSeek, kEdit, kKnobs, kShaders };
+
+struct Busy {
+  BusyWith with = BusyWith::kNothing;
+  std::string words;            // of a line
+  std::optional<double> share;  // 0 to 1, of it that is done; nothing: not known
+  bool can_cancel = false;      // by the button and by Esc
+};
+
+// Of a seek through a log.
+[[nodiscard]] Busy busy_with(const Transport::Seeking& seeking);
+
+class BusyMark {
+ public:
+  static constexpr DurationNs kPatienceNs = kNsPerS / 2;
+
+  // Draws it at the top of the stage, below y, or nothing yet. True: the user presses the button that cancels.
+  [[nodiscard]] bool draw(const Busy& busy, TimeNs now_ns, float stage_width, float y, float scale);
+  // Something is drawn that Esc cancels.
+  [[nodiscard]] bool can_cancel() const { return can_cancel_; }
+
+ private:
+  BusyWith with_ = BusyWith::kNothing;
+  TimeNs since_ns_ = 0;
+  bool can_cancel_ = false;
+};
+
+}  // namespace footlight::tools
