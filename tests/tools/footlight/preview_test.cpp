@@ -35,13 +35,16 @@ bool can_open_window() {
 
 // Runs the preview on a separate display with the validation layer; returns the exit code. The check for leaks is off,
 // because drivers that the Vulkan loader has closed leak some memory (tests/support/headless_vulkan.cpp).
-// dpi: of the screen.
-int preview(const TempFolder& folder, const std::string& arguments, const std::string& variables = "", int dpi = 96) {
+// dpi: of the screen, as a desktop states it; 0: it states none.
+int preview(const TempFolder& folder, const std::string& arguments, const std::string& variables = "", int dpi = 0) {
+  const std::string desktop =
+      dpi > 0 ? "xprop -root -f RESOURCE_MANAGER 8s -set RESOURCE_MANAGER 'Xft.dpi: " + std::to_string(dpi) + "' && "
+              : "";
+  std::ofstream(folder.file("start.sh")) << desktop << "exec " FOOTLIGHT_BINARY " preview " << arguments << "\n";
   const std::string line =
       variables +
-      "FOOTLIGHT_VALIDATION=1 ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1024x768x24 -dpi " +
-      std::to_string(dpi) + "' " FOOTLIGHT_BINARY " preview " +
-      arguments + " > " + folder.file("out") + " 2> " + folder.file("err");
+      "FOOTLIGHT_VALIDATION=1 ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1024x768x24 -noreset' sh " +
+      folder.file("start.sh") + " > " + folder.file("out") + " 2> " + folder.file("err");
   const int status = std::system(line.c_str());  // arguments of this test only
   INFO(read(folder.file("err")));
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
