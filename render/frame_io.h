@@ -22,6 +22,8 @@ static_assert(sizeof(LaserListRow) == 16);
 static_assert(sizeof(GlossRow) == 48);
 static_assert(sizeof(PaneRow) == 144);
 static_assert(sizeof(DisplayRow) == 144);
+static_assert(sizeof(DisplayTileRow) == 352);
+static_assert(sizeof(DisplayListsHead) == 80 && sizeof(DisplayRecordRow) == 448);
 static_assert(sizeof(DisplayLevelRow) == 16 && sizeof(DisplayJobRow) == 16);
 static_assert(sizeof(BladesRow) == 64);
 static_assert(sizeof(CountsRow) == 112);
