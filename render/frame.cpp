@@ -160,6 +160,8 @@ Status Frame::change(const FrameSettings& requested) {
       has_glare(needs, settings) == has_glare(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_gloss(needs, settings) == has_gloss(needs, settings_) && settings.gloss_px == settings_.gloss_px &&
       settings.penumbra == settings_.penumbra &&
+      has_displays(needs, settings) == has_displays(needs, settings_) &&
+      has_display_records(needs, settings) == has_display_records(needs, settings_) &&
       has_tile_classes(needs, settings) == has_tile_classes(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_tile_depths(needs, settings) == has_tile_depths(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_shadows_in_air(needs, settings) == has_shadows_in_air(drawn_needs(needs_, haze_, settings_), settings_);

@@ -9,6 +9,7 @@
 // One thread. The device must outlive the frame.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -47,6 +48,13 @@ struct BodyCounts {
   std::uint64_t small_triangles = 0;  // of the levels that are drawn
   std::uint64_t raster_triangles = 0;
   std::uint64_t object_triangles = 0;  // of the scene, all drawn
+};
+
+// What the last picture computed for the light of displays (render/shaders/displaynodes.comp).
+struct DisplayWork {
+  std::array<std::uint32_t, FL_DISPLAY_RECORD_LEVELS> records{};  // squares of 64, 32, 16 and 8 pixels a side
+  std::uint64_t pixels = 0;                                       // computed one by one
+  std::uint64_t surface_pixels = 0;                               // likewise, their light on surfaces alone
 };
 
 struct PassTime {
@@ -153,6 +161,7 @@ class Frame {
   // Exposure of the last recorded picture: that of record(), or the automatic one.
   [[nodiscard]] Result<double> read_exposure_ev();
   [[nodiscard]] Result<CountsRow> read_counts();
+  [[nodiscard]] Result<DisplayWork> read_display_work();  // without displays: none
   [[nodiscard]] Result<std::vector<fixtures::f32::Walker::HeadState>> read_states();
   [[nodiscard]] Result<std::vector<fixtures::f32::Motor>> read_motors();
   [[nodiscard]] Result<std::vector<fixtures::f32::Spin>> read_spins();

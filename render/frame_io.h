@@ -23,6 +23,8 @@ static_assert(sizeof(GlossRow) == 48);
 static_assert(sizeof(PaneRow) == 144);
 static_assert(sizeof(PaneGroupRow) == 144 && sizeof(GroupPaneRow) == 80 && sizeof(PaneFanRow) == 32);
 static_assert(sizeof(DisplayRow) == 144);
+static_assert(sizeof(DisplayTileRow) == 352);
+static_assert(sizeof(DisplayListsHead) == 80 && sizeof(DisplayRecordRow) == 448);
 static_assert(sizeof(DisplayLevelRow) == 16 && sizeof(DisplayJobRow) == 16);
 static_assert(sizeof(BladesRow) == 64);
 static_assert(sizeof(CountsRow) == 112);

@@ -1,6 +1,10 @@
 #include "render/frame_state.h"
 
+#include <algorithm>
+#include <bit>
 #include <cstring>
+#include <iterator>
+#include <vector>
 
 #include "render/frame.h"
 #include "render/vk/device.h"
@@ -99,6 +103,25 @@ Status Frame::load_state(const FrameState& state) {
     copy(commands, resources_.rig, buffers, state_bytes_, Way::kIn);
     vk::full_barrier(commands);
   });
+}
+
+Result<DisplayWork> Frame::read_display_work() {
+  DisplayWork work;
+  if (!has_displays(needs_, settings_)) return work;
+  const PictureImages& picture = resources_.picture;
+  if (has_display_records(needs_, settings_)) {
+    DisplayListsHead head{};
+    FL_TRY(read_buffer(picture.display_records, &head, sizeof(head)));
+    std::copy(std::begin(head.counts), std::end(head.counts), work.records.begin());
+  }
+  std::vector<DisplayTileRow> tiles(picture.display_tiles.size_bytes / sizeof(DisplayTileRow));
+  FL_TRY(read_buffer(picture.display_tiles, tiles.data(), tiles.size() * sizeof(DisplayTileRow)));
+  for (const DisplayTileRow& tile : tiles) {
+    for (const std::uint32_t bits : tile.exact) work.pixels += static_cast<std::uint64_t>(std::popcount(bits));
+    for (const std::uint32_t bits : tile.solids) work.surface_pixels += static_cast<std::uint64_t>(std::popcount(bits));
+  }
+  work.pixels -= work.surface_pixels;
+  return work;
 }
 
 }  // namespace footlight::render

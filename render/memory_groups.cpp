@@ -65,6 +65,7 @@ std::uint64_t add_picture(const PictureImages& picture, Groups& groups) {
   known += groups.add("beams by tile", {&picture.masks, &picture.fine_masks, &picture.tile_depths,
                                         &picture.coarse, &picture.rims, &picture.cuts});
   known += groups.add("lasers by tile", {&picture.laser_masks, &picture.laser_strips, &picture.laser_lists});
+  known += groups.add("displays by tile", {&picture.display_tiles, &picture.display_records});
   known += groups.add("shadows by tile", {&picture.shadow_words, &picture.shadow_picks, &picture.shade_words});
   known += groups.add("smooth edges", {&picture.edge_masks}, {&picture.edges});
   known += groups.add("glare", {}, {&picture.glare});

@@ -125,6 +125,10 @@ struct PassEntry {
 [[nodiscard]] inline bool has_displays_in_air(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_displays(needs, settings) && needs.haze && settings.view == FrameView::kPicture;
 }
+// Whether their light is interpolated where it is smooth.
+[[nodiscard]] inline bool has_display_records(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_displays(needs, settings) && settings.tile_error > 0;
+}
 // Whether displays that are thin in the picture are drawn by the share of pixels that they cover.
 [[nodiscard]] inline bool has_strips(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_displays(needs, settings) && settings.widen_thin && settings.view == FrameView::kPicture;

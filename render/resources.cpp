@@ -200,6 +200,19 @@ std::uint64_t laser_list_bytes(const FrameSettings& settings, std::uint32_t lase
   return std::uint64_t{supertiles(settings.width)} * supertiles(settings.height) * sizeof(LaserListRow);
 }
 
+std::uint64_t display_tile_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  if (!has_displays(needs, settings)) return sizeof(DisplayTileRow);
+  return std::uint64_t{cells(settings.width, FL_TILE_PX)} * cells(settings.height, FL_TILE_PX) * sizeof(DisplayTileRow);
+}
+
+// No more rows than a device may have workgroups in a line.
+std::uint64_t display_record_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  if (!has_display_records(needs, settings)) return sizeof(DisplayListsHead) + sizeof(DisplayRecordRow);
+  const std::uint64_t squares = std::uint64_t{supertiles(settings.width)} * supertiles(settings.height);
+  return sizeof(DisplayListsHead) +
+         std::min<std::uint64_t>(FL_DISPLAY_RECORDS * (squares + 32), 65'535) * sizeof(DisplayRecordRow);
+}
+
 std::uint32_t laser_rows_of(const MemoryShape& shape) { return shape.needs.laser ? shape.compiled.laser_rows : 0; }
 
 std::uint64_t tile_depth_bytes(const FrameSettings& settings, bool used) {
@@ -443,6 +456,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_LASER_MASKS: return laser_mask_bytes(settings, laser_rows_of(shape));
     case FL_BINDING_LASER_STRIPS: return laser_strip_bytes(settings, laser_rows_of(shape));
     case FL_BINDING_LASER_LISTS: return laser_list_bytes(settings, laser_rows_of(shape));
+    case FL_BINDING_DISPLAY_TILES: return display_tile_bytes(shape.needs, settings);
+    case FL_BINDING_DISPLAY_RECORDS: return display_record_bytes(shape.needs, settings);
     case FL_BINDING_TILE_DEPTHS: return tile_depth_bytes(settings, has_tile_depths(shape.needs, settings));
     case FL_BINDING_SHADOW_WORDS:
       return shadow_word_bytes(settings, mask_words_of(shape.compiled), has_shadows_in_air(shape.needs, settings));
@@ -601,6 +616,9 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   const std::uint64_t most = device.limits().maxStorageBufferRange / sizeof(LaserStripRow);
   FL_ASSIGN(p.laser_strips, zeroed(device, std::min(strips, most) * sizeof(LaserStripRow)));
   FL_ASSIGN(p.laser_lists, zeroed(device, laser_list_bytes(settings, laser_rows)));
+  FL_ASSIGN(p.display_tiles, zeroed(device, display_tile_bytes(needs, settings)));
+  FL_ASSIGN(p.display_records,
+            zeroed(device, display_record_bytes(needs, settings), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
   FL_ASSIGN(p.tile_depths, zeroed(device, tile_depth_bytes(settings, has_tile_depths(needs, settings))));
   const std::uint64_t fine_bytes = fine_mask_bytes(settings, mask_words, classes);
   const std::uint64_t shade_bytes =
@@ -675,6 +693,8 @@ void Resources::bind_all() {
   bind(FL_BINDING_LASER_MASKS, picture.laser_masks);
   bind(FL_BINDING_LASER_STRIPS, picture.laser_strips);
   bind(FL_BINDING_LASER_LISTS, picture.laser_lists);
+  bind(FL_BINDING_DISPLAY_TILES, picture.display_tiles);
+  bind(FL_BINDING_DISPLAY_RECORDS, picture.display_records);
   bind(FL_BINDING_TILE_DEPTHS, picture.tile_depths);
   bind(FL_BINDING_COARSE, picture.coarse);
   bind(FL_BINDING_RIMS, picture.rims);

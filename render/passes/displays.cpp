@@ -4,21 +4,33 @@
 
 #include "render/passes/compute_pass.h"
 #include "shaders/displaycells.comp.h"
+#include "shaders/displaylists.comp.h"
+#include "shaders/displaynodes.comp.h"
+#include "shaders/displaypixels.comp.h"
 #include "shaders/displays.comp.h"
-#include "shaders/hazedisplays.comp.h"
+#include "shaders/displaytiles.comp.h"
+#include "shaders/hazedisplaynodes.comp.h"
+#include "shaders/hazedisplaypixels.comp.h"
 
 namespace footlight::render {
 namespace {
 
 class DisplaysPass final : public Pass {
  public:
-  DisplaysPass(const PassContext& context, BoundPipeline cells, BoundPipeline light)
+  // Without records each pixel is computed by itself: tiles, lists and nodes are null.
+  struct Steps {
+    BoundPipeline cells, tiles, lists, nodes, light, pixels;
+  };
+  DisplaysPass(const PassContext& context, Steps steps, bool has_records)
       : rig_(context.resources.rig),
         still_(rig_.display_still),
+        supertiles_x_(context.resources.picture.supertiles_x),
+        supertiles_y_(context.resources.picture.supertiles_y),
         tiles_x_(tile_groups(context.settings.width)),
         tiles_y_(tile_groups(context.settings.height)),
-        cells_(std::move(cells)),
-        light_(std::move(light)) {}
+        has_records_(has_records),
+        records_(context.resources.picture.display_records.handle),
+        steps_(std::move(steps)) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
     if (!std::exchange(rig_.display_cells_fresh, true)) {
@@ -27,16 +39,40 @@ class DisplaysPass final : public Pass {
       if (std::exchange(rig_.display_films_new, false)) record_jobs(commands, rig_.display_film);
       record_jobs(commands, rig_.display_live);
     }
-    light_.bind(commands);
+    if (has_records_) record_nodes(commands);
+    steps_.light.bind(commands);
+    vkCmdDispatch(commands, tiles_x_, tiles_y_, 1);
+    vk::full_barrier(commands);
+    steps_.pixels.bind(commands);
     vkCmdDispatch(commands, tiles_x_, tiles_y_, 1);
   }
 
  private:
+  // Records of what tiles show, then their values, level by level: a level makes those of the next one.
+  void record_nodes(VkCommandBuffer commands) {
+    DisplayListsHead none{};
+    for (std::uint32_t level = 0; level < FL_DISPLAY_RECORD_LEVELS; ++level) {
+      none.groups[4 * level + 1] = none.groups[4 * level + 2] = 1;
+    }
+    vkCmdUpdateBuffer(commands, records_, 0, sizeof(none), &none);
+    steps_.tiles.bind(commands);
+    vkCmdDispatch(commands, tiles_x_, tiles_y_, 1);
+    vk::full_barrier(commands);
+    steps_.lists.bind(commands);
+    vkCmdDispatch(commands, supertiles_x_, supertiles_y_, 1);
+    vk::full_barrier(commands);
+    for (std::uint32_t level = 0; level < FL_DISPLAY_RECORD_LEVELS; ++level) {
+      steps_.nodes.bind(commands);
+      steps_.nodes.pipeline->push(commands, std::as_bytes(std::span(&level, 1)));
+      vkCmdDispatchIndirect(commands, records_, sizeof(std::uint32_t) * 4 * level);
+      vk::full_barrier(commands);
+    }
+  }
   // Each level is made of the one below.
   void record_jobs(VkCommandBuffer commands, const DisplayJobs& jobs) {
     for (const DisplayJobRange& range : jobs) {
-      cells_.bind(commands);
-      cells_.pipeline->push(commands, std::as_bytes(std::span(&range.first, 1)));
+      steps_.cells.bind(commands);
+      steps_.cells.pipeline->push(commands, std::as_bytes(std::span(&range.first, 1)));
       vkCmdDispatch(commands, range.count, 1, 1);
       vk::full_barrier(commands);
     }
@@ -44,8 +80,10 @@ class DisplaysPass final : public Pass {
 
   RigTables& rig_;
   DisplayJobs still_;
-  std::uint32_t tiles_x_, tiles_y_;
-  BoundPipeline cells_, light_;
+  std::uint32_t supertiles_x_, supertiles_y_, tiles_x_, tiles_y_;
+  bool has_records_;
+  VkBuffer records_;
+  Steps steps_;
 };
 
 }  // namespace
@@ -62,18 +100,28 @@ const PassEntry kDisplaysPass{
           // Frames that are compared with the judge, which takes rays and no pixels, have whole images.
           {FL_SPEC_DETAIL, settings.widen_thin},
           {FL_SPEC_GLOSS, has_gloss(needs, settings)},
+          {FL_SPEC_TILES, has_display_records(needs, settings)},
           {FL_SPEC_HAZE, has_displays_in_air(needs, settings) && has_haze_field(needs, settings)},
           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
-      const vk::Spirv spirv =
-          has_constant(context, FL_SPEC_HAZE) ? vk::Spirv(kHazedisplaysComp) : vk::Spirv(kDisplaysComp);
-      FL_ASSIGN(auto cells, BoundPipeline::compute(context, kDisplaycellsComp, {}));
-      FL_ASSIGN(auto light, BoundPipeline::compute(context, spirv, context.constants));
-      return std::unique_ptr<Pass>(new DisplaysPass(context, std::move(cells), std::move(light)));
+      const bool haze = has_constant(context, FL_SPEC_HAZE), records = has_constant(context, FL_SPEC_TILES);
+      const auto begin = [&](vk::Spirv spirv) { return BoundPipeline::compute(context, spirv, context.constants); };
+      DisplaysPass::Steps steps;
+      FL_ASSIGN(steps.cells, BoundPipeline::compute(context, kDisplaycellsComp, {}));
+      if (records) {
+        FL_ASSIGN(steps.tiles, begin(kDisplaytilesComp));
+        FL_ASSIGN(steps.lists, begin(kDisplaylistsComp));
+        FL_ASSIGN(steps.nodes, begin(haze ? vk::Spirv(kHazedisplaynodesComp) : vk::Spirv(kDisplaynodesComp)));
+      }
+      FL_ASSIGN(steps.light, begin(kDisplaysComp));
+      FL_ASSIGN(steps.pixels, begin(haze ? vk::Spirv(kHazedisplaypixelsComp) : vk::Spirv(kDisplaypixelsComp)));
+      return std::unique_ptr<Pass>(new DisplaysPass(context, std::move(steps), records));
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kDisplaycellsComp}, {kDisplaysComp}, {kHazedisplaysComp}};
+      return std::vector<std::vector<vk::Spirv>>{{kDisplaycellsComp},  {kDisplaytilesComp},     {kDisplaylistsComp},
+                                                 {kDisplaynodesComp},  {kHazedisplaynodesComp}, {kDisplaysComp},
+                                                 {kDisplaypixelsComp}, {kHazedisplaypixelsComp}};
     },
     "displays, and their light in the air and on surfaces"};
 

@@ -148,7 +148,10 @@
 #define FL_BINDING_PANE_GRIDS (108 + FL_LAMP_COUNT)
 #define FL_BINDING_PANE_FANS (109 + FL_LAMP_COUNT)
 #define FL_BINDING_PANE_LINES (110 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (111 + FL_LAMP_COUNT)
+// Light of displays by records (displaynodes.comp): DisplayTileRow, one a tile; DisplayListsHead with DisplayRecordRow.
+#define FL_BINDING_DISPLAY_TILES (111 + FL_LAMP_COUNT)
+#define FL_BINDING_DISPLAY_RECORDS (112 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (113 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -514,6 +517,53 @@ struct DisplayJobRow {
   uint pad;
 };
 #define FL_GROUP_DISPLAY 64  // cells a workgroup
+
+// Light of displays is smooth on what a square of the picture shows of one plane, and in the air before it. A record is
+// that of a rectangle of pixels: values at 4 x 4 nodes. Where these do not do, it has four children of half its size.
+#define FL_DISPLAY_RECORD_LEVELS 4  // squares of 64, 32, 16 and 8 pixels a side
+#define FL_DISPLAY_RECORD_PLANES 4  // of a tile
+#define FL_DISPLAY_RECORD_LISTS 16  // planes of a supertile
+#define FL_DISPLAY_RECORDS 24       // rows a supertile of the picture, in the mean
+#define FL_DISPLAY_RECORD_LEAST 24  // fewer pixels are computed one by one
+#define FL_DISPLAY_RECORD_NONE 15u  // of a pixel: it shows none of the planes
+// What a tile of FL_TILE_PX x FL_TILE_PX pixels shows; 352 bytes.
+struct DisplayTileRow {
+  vec4 planes[FL_DISPLAY_RECORD_PLANES];  // normal, and its product with places from the camera, m; 0: nothing
+  uint boxes[FL_DISPLAY_RECORD_PLANES];   // of the pixels that show it: first column and row, last ones, 8 bits each;
+                                          // ~0: none
+  uint counts[FL_DISPLAY_RECORD_PLANES];  // of these pixels
+  float albedos[FL_DISPLAY_RECORD_PLANES];
+  uint records[FL_DISPLAY_RECORD_PLANES];  // that of the supertile; FL_NONE: none
+  uint rest_box;  // of pixels that show other things
+  uint rest_count;
+  float rest_near_m;  // their depths
+  float rest_far_m;
+  uint rest_record;  // of the supertile: the first of three, of planes across the camera's axis; FL_NONE: none
+  float rest_from_m;  // the first and the last of these, of the supertile
+  float rest_to_m;
+  uint pad;
+  uint pixels[FL_TILE_PX * FL_TILE_PX / 8];   // planes of pixels, 4 bits each
+  uint exact[FL_TILE_PX * FL_TILE_PX / 32];   // bits of pixels whose light is computed by itself
+  uint solids[FL_TILE_PX * FL_TILE_PX / 32];  // of these, those with light on surfaces only
+};
+struct DisplayListsHead {
+  uint groups[4 * FL_DISPLAY_RECORD_LEVELS];  // indirect arguments: workgroups of each level, one a record
+  uint counts[FL_DISPLAY_RECORD_LEVELS];  // of wanted records; those of one level stand after those of higher ones
+};
+// 448 bytes.
+struct DisplayRecordRow {
+  vec4 plane;    // as DisplayTileRow
+  vec4 box;      // its hull: low and high, pixels
+  uint state;    // FL_DISPLAY_RECORD_...
+  uint root;     // that of the supertile, the first of three
+  float albedo;  // below 0: light on surfaces is not in it
+  uint square;   // y << 16 | x of its first tile
+  uint children[4];  // FL_NONE: its pixels are computed one by one
+  vec4 light[24];    // at nodes: light in the air over sigma_s, and the red of that on the surface, lx; then green and
+                     // blue of the latter, two nodes each
+};
+#define FL_DISPLAY_RECORD_GOOD 0u
+#define FL_DISPLAY_RECORD_SPLIT 1u
 
 // Flags of a BeamRow.
 #define FL_BEAM_BLADES 1u  // cut by the blades of the same number

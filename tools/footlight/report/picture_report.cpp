@@ -381,6 +381,7 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
   FL_ASSIGN(report.bodies, frame->read_bodies());
   for (const PassTime& pass : first) report.gobo_build_ms += pass.name == "gobos" ? pass.gpu_ms : 0;
   FL_ASSIGN(report.gates, frame->read_gates());
+  FL_ASSIGN(report.displays, frame->read_display_work());
   report.body_bytes = static_cast<std::int64_t>(frame->resources().body_bytes());
   whole.view = render::FrameView::kClasses;
   FL_TRY(frame->change(whole));

@@ -80,6 +80,7 @@ struct PictureReport {
   std::uint32_t live_beams = 0;                // that it draws
   std::uint32_t shadows = 0;                   // pairs of a beam and what hides some of its light
   std::uint32_t shadows_lost = 0;              // of them, for want of room
+  render::DisplayWork displays;                // of the whole frame
   double gobo_build_ms = 0;                    // GPU time of the pass of gobos in its first frame
   ClassShares classes;                         // how its beams are computed
   std::string device;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "fixtures/displays/pixel_slots.h"
 #include "fixtures/simulate/machines.h"
@@ -241,6 +242,22 @@ std::string shadows_json(const PictureReport& report) {
                      report.shadows, report.live_beams, report.shadows_lost);
 }
 
+// Where the light of displays is computed in the whole frame.
+std::string displays_text(const PictureReport& report) {
+  const render::DisplayWork& work = report.displays;
+  if (work.records[0] + work.pixels + work.surface_pixels == 0) return "";
+  return fmt::format(
+      "Light of displays: 21 places in each of {} parts of squares of 64 pixels a side, {} of 32, {} of 16 and {} of "
+      "8; {} pixels one by one, {} more on surfaces only.\n\n",
+      work.records[0], work.records[1], work.records[2], work.records[3], work.pixels, work.surface_pixels);
+}
+std::string displays_json(const PictureReport& report) {
+  const render::DisplayWork& work = report.displays;
+  return fmt::format(R"({{"event":"displays","parts":[{}],"pixels":{},"surface_pixels":{}}})"
+                     "\n",
+                     fmt::join(work.records, ","), work.pixels, work.surface_pixels);
+}
+
 // Tables of gobos, and how many beams have several images in them but no table.
 std::string gates_text(const PictureReport& report) {
   return fmt::format(
@@ -351,7 +368,7 @@ void print_figures(const PictureArguments& arguments, const ReportOptions& optio
   fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms:",
              report.whole_ms);
   for (const auto& pass : report.whole_passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
-  fmt::print("\n{}\n\n{}{}{}", classes_text(report.classes), shadows_text(report),
+  fmt::print("\n{}\n\n{}{}{}{}", classes_text(report.classes), shadows_text(report), displays_text(report),
              bodies_text(report, arguments.body_error_px), edges_text(report, pixels));
   if (air) {
     fmt::print(
@@ -429,6 +446,7 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
                               report.whole_ms));
     options.print(classes_json(report.classes));
     if (report.shadows > 0) options.print(shadows_json(report));
+    if (scene.compiled.needs.displays) options.print(displays_json(report));
     options.print(edges_json(report));
     if (scene.compiled.needs.gobo) options.print(gates_json(report));
     const render::BodyCounts& bodies = report.bodies;

@@ -1,0 +1,118 @@
+#version 460
+// What each tile shows, for the light of displays: up to FL_DISPLAY_RECORD_PLANES planes, one of which may be nothing,
+// which of its pixels show which, and how far away other things are. One workgroup a tile.
+#extension GL_GOOGLE_include_directive : require
+#include "render/shaders/lib/frame.glsl"
+#include "render/shaders/lib/surface.glsl"
+#include "render/shaders/lib/albedo.glsl"
+#define FL_DISPLAY_TILES_ACCESS writeonly
+#define FL_DISPLAY_RECORDS_ACCESS readonly
+#include "render/shaders/lib/display_records.glsl"
+
+layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
+
+const float kPlane = 1e-5;  // of the distance: surfaces of one plane are off it by no more
+const uint kTries = 12u;
+const float kDeepest = FL_DISPLAY_REST;
+const uint kFew = 8u;  // pixels do not make a plane
+
+shared uint leader;
+shared vec4 plane;
+shared float albedo;
+shared uint count;
+shared uint low_x;
+shared uint low_y;
+shared uint high_x;
+shared uint high_y;
+shared uint near_bits;
+shared uint far_bits;
+shared uint words[FL_TILE_PX * FL_TILE_PX / 8];
+
+// A pixel belongs to what is counted.
+void take() {
+  atomicAdd(count, 1u);
+  atomicMin(low_x, gl_LocalInvocationID.x);
+  atomicMin(low_y, gl_LocalInvocationID.y);
+  atomicMax(high_x, gl_LocalInvocationID.x);
+  atomicMax(high_y, gl_LocalInvocationID.y);
+}
+
+void main() {
+  uint thread = gl_LocalInvocationIndex;
+  uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  bool is_drawn = pixel.x < int(params.width) && pixel.y < int(params.height);
+  vec3 ray = normalize(ray_through(vec2(pixel) + 0.5));
+  Surface surface = Surface(kNothing, 0u, vec3(0.0), kNothingM);
+  if (is_drawn) surface = surface_at(pixel, ray);
+  bool solid = surface.kind != kNothing;
+  vec4 own = solid ? vec4(surface.normal, dot(surface.normal, ray) * surface.t_m) : vec4(0.0);
+  uint mine = FL_DISPLAY_RECORD_NONE;
+  uint planes = 0u;
+  if (thread < uint(words.length())) words[thread] = 0u;
+  bool left = is_drawn;
+  for (uint try = 0u; try < kTries && planes < uint(FL_DISPLAY_RECORD_PLANES); ++try) {
+    if (thread == 0u) {
+      leader = ~0u;
+      count = 0u;
+      low_x = low_y = ~0u;
+      high_x = high_y = 0u;
+    }
+    barrier();
+    uint turn = (97u * thread + 61u * try) & uint(FL_TILE_PX * FL_TILE_PX - 1);
+    if (left) atomicMin(leader, turn);
+    barrier();
+    if (leader == ~0u) break;
+    if (left && turn == leader) {
+      plane = own;
+      albedo = 0.0;
+      if (solid) {
+        vec3 color = albedo_of(surface);
+        albedo = max(color.r, max(color.g, color.b));
+      }
+    }
+    barrier();
+    bool same = left && solid == (plane.xyz != vec3(0.0));
+    if (same && solid) same = dot(own.xyz, plane.xyz) > 0.99999 && abs(own.w - plane.w) <= kPlane * surface.t_m;
+    if (same) {
+      left = false;
+      take();
+    }
+    barrier();
+    if (count >= kFew) {
+      if (same) mine = planes;
+      if (thread == 0u) {
+        display_tiles[tile].planes[planes] = plane;
+        display_tiles[tile].boxes[planes] = packed_box(uvec2(low_x, low_y), uvec2(high_x, high_y));
+        display_tiles[tile].counts[planes] = count;
+        display_tiles[tile].albedos[planes] = albedo;
+      }
+      ++planes;
+    }
+    barrier();
+  }
+  bool rest = is_drawn && solid && mine == FL_DISPLAY_RECORD_NONE;
+  if (thread == 0u) {
+    count = 0u;
+    low_x = low_y = near_bits = ~0u;
+    high_x = high_y = far_bits = 0u;
+  }
+  barrier();
+  uint depth = floatBitsToUint(surface.t_m * dot(ray, params.forward.xyz));
+  if (rest) atomicMin(near_bits, depth);
+  barrier();
+  if (rest && uintBitsToFloat(depth) <= uintBitsToFloat(near_bits) * kDeepest) {
+    take();
+    atomicMax(far_bits, depth);
+  }
+  atomicOr(words[thread / 8u], mine << (4u * (thread % 8u)));
+  barrier();
+  if (thread < uint(words.length())) display_tiles[tile].pixels[thread] = words[thread];
+  if (thread >= planes && thread < uint(FL_DISPLAY_RECORD_PLANES)) display_tiles[tile].boxes[thread] = ~0u;
+  if (thread == 0u) {
+    display_tiles[tile].rest_box = packed_box(uvec2(low_x, low_y), uvec2(high_x, high_y));
+    display_tiles[tile].rest_count = count;
+    display_tiles[tile].rest_near_m = uintBitsToFloat(near_bits);
+    display_tiles[tile].rest_far_m = uintBitsToFloat(far_bits);
+  }
+}
