@@ -106,7 +106,7 @@ void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   bool is_drawn = pixel.x < int(params.width) && pixel.y < int(params.height);
   vec3 ray = normalize(ray_through(vec2(pixel) + 0.5));
-  Surface surface = Surface(kNothing, 0u, vec3(0.0, 0.0, 1.0), kNothingM);
+  Surface surface = Surface(kNothing, 0u, vec3(0.0, 0.0, 1.0), kNothingM, 0u);
   if (is_drawn) surface = surface_at(pixel, ray);
   float plane_m = surface.kind == kNothing ? 0.0 : dot(surface.normal, ray) * surface.t_m;
   if (thread == 0u) {
