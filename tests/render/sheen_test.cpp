@@ -116,7 +116,7 @@ Scene washes_over(fixtures::Sheen floor, int count) {
     for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(i, color, 0.3 + 0.02 * (i % 10));
     scene.set(i, "Zoom", 60);
   }
-  scene.camera = {"above", {0.5, -10, 5}, {0, 0, 0}, 50, 4};
+  scene.camera = {"above", {0.5, -10, 5}, {0, -1, 0}, 22, 4};
   return scene;
 }
 
@@ -128,7 +128,8 @@ TEST_CASE("sheen of beams that are added together for a tile is that pixel by pi
     double tile_error;
     double rel_l2_max;  // three times what lavapipe gave
   };
-  for (const Case& c : {Case{0.35, FrameSettings().tile_error, 3e-4}, Case{0.6, 1e-5, 1e-5}, Case{0.1, 1e-3, 1e-3}}) {
+  constexpr double kTileError = FrameSettings{}.tile_error;
+  for (const Case& c : {Case{0.35, kTileError, 2e-4}, Case{0.7, kTileError, 2e-4}, Case{0.1, kTileError, 2e-4}}) {
     const Scene scene = washes_over({c.roughness, 0.5}, 30);
     FrameSettings settings = judged_settings(256, 144);
     settings.shadows = false;
@@ -141,7 +142,7 @@ TEST_CASE("sheen of beams that are added together for a tile is that pixel by pi
     print_error(("sheen, added together, roughness " + std::to_string(c.roughness)).c_str(), norms.rel_l2);
     CHECK(norms.nonfinite == 0);
     CHECK(norms.rel_l2 < c.rel_l2_max);
-    if (c.tile_error == FrameSettings().tile_error) CHECK(norms.rel_l2 > 0);  // some are added together
+    if (c.roughness > 0.3) CHECK(norms.rel_l2 > 0);  // some are added together
     CHECK(draw(*frame, scene).rgb == together.rgb);
   }
 }
