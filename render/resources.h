@@ -78,7 +78,7 @@ struct RigTables {
   vk::Buffer display_cells;                           // words of the cells of displays, on all levels
   vk::Buffer gloss;          // GlossRow
   vk::Buffer textures, texture_texels, object_uvs;  // texture_tables.h
-  vk::Buffer sheens;         // SheenRow
+  vk::Buffer sheens;                                // SheenRow
   vk::Buffer shadow_lists;   // ShadowListRow, one a beam
   vk::Buffer shadows;        // ShadowRow
   vk::Buffer shadow_maps;    // lib/shadow_map.glsl

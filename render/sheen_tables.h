@@ -14,7 +14,8 @@ class SheenTable {
  public:
   // The row of a material; 0 of a matt one. color: of a fixture's body, what it reflects as a metal. Past FL_SHEENS_MAX
   // different ones the nearest row.
-  [[nodiscard]] std::uint32_t number(const std::optional<fixtures::Sheen>& sheen, const glm::vec3& color = glm::vec3(0));
+  [[nodiscard]] std::uint32_t number(const std::optional<fixtures::Sheen>& sheen,
+                                     const glm::vec3& color = glm::vec3(0));
   [[nodiscard]] const std::vector<SheenRow>& rows() const { return rows_; }
   // How many materials have a row that is not theirs.
   [[nodiscard]] std::uint32_t joined() const { return joined_; }

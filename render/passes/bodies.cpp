@@ -152,15 +152,14 @@ const PassEntry kBodiesPass{
       const Resources& r = context.resources;
       const bool mirrors = has_constant(context, FL_SPEC_GLOSS);
       const bool sheen = has_constant(context, FL_SPEC_SHEEN);
-      vk::Pipeline::Raster raster{
-          sheen ? vk::Spirv(kSheenbodyVert) : vk::Spirv(kBodyVert),
-          body_fragments(mirrors, sheen),
-          r.picture.surface_id.format,
-          r.picture.depth.format,
-          sizeof(BodyVertex),
-          {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
-           {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
-           {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}};
+      vk::Pipeline::Raster raster{sheen ? vk::Spirv(kSheenbodyVert) : vk::Spirv(kBodyVert),
+                                  body_fragments(mirrors, sheen),
+                                  r.picture.surface_id.format,
+                                  r.picture.depth.format,
+                                  sizeof(BodyVertex),
+                                  {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
+                                   {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
+                                   {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}};
       BodiesPass::Parts parts;
       if (r.rig.slot_count > 0) {
         FL_ASSIGN(parts.place, BoundPipeline::compute(context, kPlaceComp, {}));

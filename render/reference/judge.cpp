@@ -513,11 +513,12 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     for (const JudgeBeam& beam : scene.beams) {
       const double lit = judge_lit(beam, scene.lens, scene.solids, point_m);
       if (!(lit > 0)) continue;
-      const glm::dvec3 beam_lux = in_colors(beam,
-                                            [&](const GoboTransmission& gobo) {
-                                              return lit * judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
-                                            }) *
-                                  beam.strength_lm;
+      const glm::dvec3 beam_lux =
+          in_colors(beam,
+                    [&](const GoboTransmission& gobo) {
+                      return lit * judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
+                    }) *
+          beam.strength_lm;
       if (hit->sheen && glm::length(beam_lux) > 0) {
         of_sheen += beam_lux * sheen_share(*hit, beam, point_m, ray.direction);
       } else {

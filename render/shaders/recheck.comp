@@ -126,7 +126,8 @@ vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m)
   return row.j0.rgb * (gain * value);
 }
 
-// What the eye gets from a surface with this illuminance. reflected: of a surface with sheen, the light of beams, cd/m^2.
+// What the eye gets from a surface with this illuminance. reflected: of a surface with sheen, the light of beams,
+// cd/m^2.
 vec3 seen_of(Surface surface, vec3 offset_m, vec3 lx, vec3 reflected, Medium medium) {
   if (surface.kind == kNothing) return vec3(0.0);
   float form = work_light(surface.normal, offset_m);

@@ -1,5 +1,5 @@
-// Surfaces with sheen: pictures against the judge, which has the same reflection (shared/sheen.h) in double, and objects
-// and bodies against boxes.
+// Surfaces with sheen: pictures against the judge, which has the same reflection (shared/sheen.h) in double, and
+// objects against boxes.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -43,8 +43,7 @@ Scene lamps_over(fixtures::Sheen floor, fixtures::Sheen wall) {
   return scene;
 }
 
-PictureNorms error_of(vk::Device& device, const Scene& scene, const char* what,
-                      GoboMethod gobos = GoboMethod::kTaps) {
+PictureNorms error_of(vk::Device& device, const Scene& scene, const char* what, GoboMethod gobos = GoboMethod::kTaps) {
   FrameSettings settings = judged_settings(kWidth, kHeight);
   settings.gobo_method = gobos;
   settings.gobo_taps = 256;

@@ -20,8 +20,8 @@ float normal_turn(ivec2 pixel, Surface surface) {
   return turn;
 }
 
-// Of a surface with sheen; albedo: of its matt part, as other light is reflected. On curved things normals turn within a
-// pixel; their spread counts as roughness, so that highlights that are narrower than a pixel are not lost between
+// Of a surface with sheen; albedo: of its matt part, as other light is reflected. On curved things normals turn within
+// a pixel; their spread counts as roughness, so that highlights that are narrower than a pixel are not lost between
 // pixels (Tokuyoshi, Kaplanyan 2019, "Improved Geometric Specular Antialiasing"; the numbers are theirs).
 Sheen surface_sheen(ivec2 pixel, Surface surface, vec3 albedo) {
   SheenRow row = sheens[surface.sheen];

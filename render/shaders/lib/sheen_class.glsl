@@ -1,5 +1,5 @@
-// Sheen of the plane that a tile shows, as polynomials: of beams that are smooth over it, as surface_class.glsl has them
-// for illuminance. What pixels of one material reflect is straight P + Q + diffuse rest R, with three sums over beams:
+// Sheen of the plane that a tile shows, as polynomials: of beams that are smooth over it, as surface_class.glsl has
+// them for illuminance. What pixels of one material reflect is straight P + Q + diffuse rest R, with three sums over beams:
 // P and Q of the light that facets mirror, without and with Schlick's share, and R of what is left to the diffuse part.
 // Each is a polynomial, so that pixels may differ in their colour. After sheen.glsl and surface_class.glsl.
 //

@@ -112,8 +112,8 @@ float surface_tolerance(float light) {
   return params.tile_error * sum.x * inversesqrt(max(sum.y, 1.0));
 }
 
-// Adds the light in node_light of the beams that have a smooth_color to the sum of each node and channel. sum: of thread
-// k < FL_TILE_LIGHT, at node k / 3 in channel k % 3. All threads of the group call it together.
+// Adds the light in node_light of the beams that have a smooth_color to the sum of each node and channel. sum: of
+// thread k < FL_TILE_LIGHT, at node k / 3 in channel k % 3. All threads of the group call it together.
 void add_nodes(uint count, inout float sum) {
   uint number = thread_number();
   // Threads have fixed beams, and parts are added in order.

@@ -1,6 +1,6 @@
-// Light of a beam that a surface with sheen reflects: isotropic GGX with Smith's height-correlated masking and Schlick's
-// Fresnel term, over a diffuse part that gets what the sheen leaves (Walter et al. 2007, "Microfacet Models for
-// Refraction through Rough Surfaces"; Heitz 2014, "Understanding the Masking-Shadowing Function"; Ashikhmin and Shirley
+// Light of a beam that a surface with sheen reflects: isotropic GGX with Smith's height-correlated masking and
+// Schlick's Fresnel term, over a diffuse part that gets what the sheen leaves (Walter et al. 2007, "Microfacet Models
+// for Refraction through Rough Surfaces"; Heitz 2014, "Understanding the Masking-Shadowing Function"; Ashikhmin and Shirley
 // 2000, "An Anisotropic Phong BRDF Model", for the diffuse part). C++ and GLSL, after sim/shared/real.h.
 //
 // Roughness and metal are those of glTF: alpha = roughness^2; what is no metal reflects kSheenDielectric of the light
@@ -12,7 +12,7 @@
 // Smoother surfaces count as this: alpha 0.01, a highlight of about a degree. Sharper ones are narrower than pixels.
 FL_CONST float kSheenRoughnessLeast = 0.1f;
 FL_CONST float kSheenDielectric = 0.04f;
-FL_CONST float kSheenFacingLeast = 1e-3f;  // cosine to the eye of faces that are seen edge on or, by their normal, behind
+FL_CONST float kSheenFacingLeast = 1e-3f;  // cosine to the eye, of faces that are seen edge on
 
 struct Sheen {
   Vec3 straight;  // share of light that is reflected straight back

@@ -201,12 +201,14 @@ TEST_CASE("sheen in float is that in double, and finite in every direction") {
       for (int k = 0; k < 40; ++k) {
         const dvec3 to_eye = direction(i * kPi / 60, 0.3);
         // Every other one within some lobes of the mirrored direction.
-        const dvec3 to_light = k % 2 == 0 ? direction(k * kPi / 80, 1.7) : direction(i * kPi / 60 + k * 1e-3, 0.3 + kPi);
+        const dvec3 to_light =
+            k % 2 == 0 ? direction(k * kPi / 80, 1.7) : direction(i * kPi / 60 + k * 1e-3, 0.3 + kPi);
         const dvec3 exact = f64::sheen_reflected(sheen, 0.001, kUp, to_eye, to_light);
         const glm::vec3 value =
             f32::sheen_reflected(small, 0.001F, glm::vec3(kUp), glm::vec3(to_eye), glm::vec3(to_light));
         REQUIRE(std::isfinite(value.x));
-        if (to_eye.z > 0.02 && to_light.z > 0.02) most = std::max(most, std::abs(static_cast<double>(value.x) - exact.x) / exact.x);
+        if (to_eye.z > 0.02 && to_light.z > 0.02)
+          most = std::max(most, std::abs(static_cast<double>(value.x) - exact.x) / exact.x);
       }
     }
   }
@@ -246,8 +248,7 @@ Widened widened(double alpha, double lens_rad, double angle_rad) {
       const dvec3 to_light = glm::normalize(middle + r * (std::cos(turn) * right + std::sin(turn) * up));
       mean += f64::sheen_gloss(dvec3(1), alpha, 0, kUp, to_eye, to_light).x * std::max(to_light.z, 0.0) / kPoints;
     }
-    const double value =
-        f64::sheen_gloss(dvec3(1), alpha, lens_rad, kUp, to_eye, middle).x * middle.z;
+    const double value = f64::sheen_gloss(dvec3(1), alpha, lens_rad, kUp, to_eye, middle).x * middle.z;
     off += (value - mean) * (value - mean);
     all += mean * mean;
     most = std::max(most, mean);
@@ -263,8 +264,8 @@ TEST_CASE("a highlight widened by the angle of a lens is near the mean over the 
         const double alpha = roughness * roughness;
         const Widened made = widened(alpha, lens_rad, angle_deg * kPi / 180);
         if (prints()) {
-          std::printf("widened: %2.0f deg, roughness %.2f, lens %.3f rad: relL2 %.3f, peak %.3f\n", angle_deg, roughness,
-                      lens_rad, made.rel_l2, made.peak);
+          std::printf("widened: %2.0f deg, roughness %.2f, lens %.3f rad: relL2 %.3f, peak %.3f\n", angle_deg,
+                      roughness, lens_rad, made.rel_l2, made.peak);
         }
         CAPTURE(angle_deg);
         CAPTURE(roughness);
