@@ -80,12 +80,26 @@ std::vector<fixtures::BodyMesh> bodies_of(const fixtures::Rig& rig, const fixtur
   return bodies;
 }
 
+// Replaces the numbers of sheens in the vertices of a body by those of the table.
+void number_sheens(fixtures::BodyMesh& body, std::size_t heads, SheenTable& sheens) {
+  static_assert(fixtures::kBodySheenShift == FL_PART_SHEEN_SHIFT);
+  std::vector<std::uint32_t> numbers{0};
+  for (const fixtures::BodySheen& each : body.sheens) {
+    numbers.push_back(heads <= FL_HEADS_SHEEN_MAX ? sheens.number(each.sheen, each.color) : 0);
+  }
+  for (fixtures::BodyVertex& vertex : body.vertices) {
+    const std::uint32_t sheen = numbers[vertex.part >> FL_PART_SHEEN_SHIFT];
+    vertex.part = (vertex.part & (FL_PART_DEPTH | FL_PART_LENS)) | sheen << FL_PART_SHEEN_SHIFT;
+  }
+}
+
 // The objects of the scene in stage space; their albedo, or the number of their texture, is in the parts of their
 // vertices.
 fixtures::BodyMesh objects_of(const fixtures::Rig& rig, fixtures::Diagnostics& diagnostics,
-                              std::vector<fixtures::SolidBox>* object_solids, ObjectTextures& textures) {
+                              std::vector<fixtures::SolidBox>* object_solids, ObjectTextures& textures,
+                              SheenTable& sheens) {
   const fixtures::Mesh scene = fixtures::scene_mesh(rig, diagnostics, object_solids);
-  textures = object_textures(scene);
+  textures = object_textures(scene, sheens);
   fixtures::BodyMesh mesh;
   mesh.indices = scene.indices;
   for (const fixtures::MeshVertex& vertex : scene.vertices) {
@@ -170,7 +184,8 @@ void add_boxes(const fixtures::BodyMesh& mesh, const std::optional<std::uint32_t
 }  // namespace
 
 Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
-                   fixtures::Diagnostics& diagnostics, RigTables& r, std::vector<fixtures::SolidBox>* object_solids) {
+                   fixtures::Diagnostics& diagnostics, RigTables& r, std::vector<fixtures::SolidBox>* object_solids,
+                   SheenTable& sheens) {
   static_assert(fixtures::kBodyLevelsMax == FL_BODY_LEVELS);
   static_assert(sizeof(fixtures::BodyVertex) == sizeof(BodyVertexRow));
   static_assert(sizeof(fixtures::TreeNode) == sizeof(TreeRow));
@@ -202,6 +217,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   };
   std::vector<fixtures::BodyMesh> bodies(compiled.types.size());
   if (r.has_bodies) bodies = bodies_of(rig, compiled, diagnostics);
+  for (fixtures::BodyMesh& body : bodies) number_sheens(body, compiled.heads.size(), sheens);
   std::vector<std::uint32_t> head_slots(compiled.heads.size(), FL_NONE);
   std::vector<std::vector<std::uint32_t>> heads(compiled.types.size());
   for (std::uint32_t i = 0; i < compiled.heads.size(); ++i) heads[compiled.heads[i].type].push_back(i);
@@ -234,7 +250,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   r.draw_count = static_cast<std::uint32_t>(draws.size());
   fixtures::BodyMesh objects;
   ObjectTextures textures;
-  if (r.has_bodies) objects = objects_of(rig, diagnostics, object_solids, textures);
+  if (r.has_bodies) objects = objects_of(rig, diagnostics, object_solids, textures, sheens);
   FL_TRY(make_texture_tables(device, textures, r));
   if (!objects.indices.empty()) {
     add(objects, 1, 0);

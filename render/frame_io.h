@@ -44,6 +44,7 @@ static_assert(sizeof(ShadowListRow) == 8);
 static_assert(sizeof(ShadowWordRow) == 8);
 static_assert(sizeof(ShadowRow) == 208);
 static_assert(sizeof(TextureRow) == 32);
+static_assert(sizeof(SheenRow) == 32);
 static_assert(sizeof(GateRow) == 32);
 static_assert(sizeof(GatesHead) == 16);
 static_assert(sizeof(RecheckRow) == 48);

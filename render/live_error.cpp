@@ -80,8 +80,10 @@ void LiveError::compile_ahead(vk::Device& device, const FrameSettings& settings,
   if (!has_gloss(needs, settings)) (void)begin_pipeline(device, settings, needs);  // create() fails, too
 }
 
-Result<std::unique_ptr<LiveError>> LiveError::create(vk::Device& device, Frame& frame, const fixtures::Needs& needs) {
+Result<std::unique_ptr<LiveError>> LiveError::create(vk::Device& device, Frame& frame, const fixtures::Needs& of_rig) {
   const FrameSettings& settings = frame.settings();
+  fixtures::Needs needs = of_rig;
+  needs.sheen = frame.resources().rig.sheen_count > 0;  // also that of files
   if (has_gloss(needs, settings)) return std::unique_ptr<LiveError>();
   std::unique_ptr<LiveError> live(new LiveError(device));
   live->cells_ = device.is_software() ? kCellsOfCpu : kCells;

@@ -169,6 +169,10 @@ struct PassEntry {
 [[nodiscard]] inline bool has_gloss(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.gloss && settings.gloss_px > 0 && settings.view == FrameView::kPicture && has_solids(needs, settings);
 }
+// Whether surfaces have sheen.
+[[nodiscard]] inline bool has_sheen(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.sheen && has_solids(needs, settings);
+}
 // Whether the camera's lens scatters light.
 [[nodiscard]] inline bool has_glare(const fixtures::Needs& needs, const FrameSettings& settings) {
   return settings.glare > 0 && settings.view == FrameView::kPicture &&

@@ -8,6 +8,8 @@
 #include <iterator>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "render/body_tables.h"
 #include "render/bounce_tables.h"
 #include "render/display_tables.h"
@@ -20,6 +22,7 @@
 #include "render/pane_tables.h"
 #include "render/pass.h"
 #include "render/shadow_tables.h"
+#include "render/sheen_tables.h"
 #include "sim/core/no_signals.h"
 
 namespace footlight::render {
@@ -145,6 +148,7 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_TEXTURES, &R::textures},
     {FL_BINDING_TEXTURE_TEXELS, &R::texture_texels},
     {FL_BINDING_OBJECT_UVS, &R::object_uvs},
+    {FL_BINDING_SHEENS, &R::sheens},
     {FL_BINDING_GOBO_TABLES, &R::gobo_tables},
     {FL_BINDING_GOBO_QUEUE, &R::gobo_queue},
     {FL_BINDING_GATES, &R::gates}};
@@ -481,6 +485,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_HEAD_SLOTS: return has_bodies(shape.needs, settings) ? shape.compiled.heads.size() * 4 : 0;
     case FL_BINDING_EDGES: return (has_smooth_edges(shape.needs, settings) ? pixels : 1) * 16;
     case FL_BINDING_EDGE_MASKS: return edge_mask_bytes(shape.needs, settings);
+    case FL_BINDING_SHEENS: return shape.needs.sheen ? FL_SHEENS_MAX * sizeof(SheenRow) : 0;
     case FL_BINDING_GLOSS: return gloss_rows(shape.rig).size() * sizeof(GlossRow);
     case FL_BINDING_MIRROR: return mirror_bytes(shape);
     case FL_BINDING_GLARE: return has_glare(shape.needs, settings) ? glare_shape(settings).bytes() : 0;
@@ -491,6 +496,26 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     default: return 0;
   }
 }
+
+namespace {
+
+Status make_sheens(vk::Device& device, const fixtures::Rig& rig, const SheenTable& sheens, bool used,
+                   fixtures::Diagnostics& diagnostics, RigTables& r) {
+  r.sheen_count = static_cast<std::uint32_t>(sheens.rows().size()) - 1;
+  if (sheens.joined() > 0) {
+    diagnostics.add({fixtures::Severity::kNote,
+                     "materials-too-many",
+                     {rig.name},
+                     fmt::format("more than {} materials that are not matt", FL_SHEENS_MAX - 1),
+                     fmt::format("{} of them have the roughness and metal of another one", sheens.joined())});
+  }
+  if (used) {
+    FL_ASSIGN(r.sheens, vk::Buffer::table(device, sheens.rows()));
+  }
+  return {};
+}
+
+}  // namespace
 
 Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape, const std::vector<bool>& used) {
   const CompiledRig& compiled = shape.compiled;
@@ -544,10 +569,11 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
     r.gloss_count = static_cast<std::uint32_t>(rows.size());
     FL_ASSIGN(r.gloss, vk::Buffer::table(device, rows));
   }
+  SheenTable sheens;
   if (used[FL_BINDING_BOXES]) {
     std::vector<BoxRow> boxes;
     for (const auto& box : shape.rig.boxes) {
-      boxes.push_back({vec4(box.min_m, 0), vec4(box.max_m, 0), vec4(box.albedo, 0)});
+      boxes.push_back({vec4(box.min_m, 0), vec4(box.max_m, 0), vec4(box.albedo, sheens.number(box.sheen))});
     }
     FL_ASSIGN(r.boxes, vk::Buffer::table(device, boxes));
   }
@@ -560,8 +586,10 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   r.has_occluders = render::has_occluders(shape.needs, shape.settings);
   std::vector<fixtures::SolidBox> object_solids;
   if (r.has_bodies || r.has_trees) {
-    FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r, r.has_occluders ? &object_solids : nullptr));
+    FL_TRY(
+        make_bodies(device, shape.rig, compiled, diagnostics, r, r.has_occluders ? &object_solids : nullptr, sheens));
   }
+  FL_TRY(make_sheens(device, shape.rig, sheens, used[FL_BINDING_SHEENS], diagnostics, r));
   if (used[FL_BINDING_SHADOWS] || used[FL_BINDING_OCCLUDERS]) {  // the former also where there are maps
     FL_TRY(make_shadow_tables(device, shape, object_solids, r));
   }

@@ -80,6 +80,7 @@ struct RigTables {
   vk::Buffer display_cells;                           // words of the cells of displays, on all levels
   vk::Buffer gloss;          // GlossRow
   vk::Buffer textures, texture_texels, object_uvs;  // texture_tables.h
+  vk::Buffer sheens;                                // SheenRow
   vk::Buffer shadow_lists;   // ShadowListRow, one a beam
   vk::Buffer shadows;        // ShadowRow
   vk::Buffer shadow_maps;    // lib/shadow_map.glsl
@@ -133,7 +134,8 @@ struct RigTables {
   std::uint32_t mesh_count = 0;         // of bodies
   std::uint32_t draw_count = 0;         // of bodies: levels of all meshes
   std::uint32_t object_draw_count = 0;  // of the scene's objects, behind them: 0 or 1
-  std::uint32_t texture_count = 0;      // of objects
+  std::uint32_t texture_count = 0;      // of objects: those with textures or sheen
+  std::uint32_t sheen_count = 0;        // materials with sheen
   std::uint32_t mask_words = 0;
   std::uint64_t levels_bytes = 0;
   bool has_bodies = false;        // the models were read

@@ -37,12 +37,19 @@ std::uint32_t add_levels(fixtures::PaneImage image, std::vector<std::uint32_t>& 
 
 }  // namespace
 
-ObjectTextures object_textures(const fixtures::Mesh& scene) {
+ObjectTextures object_textures(const fixtures::Mesh& scene, SheenTable& sheens) {
   ObjectTextures made;
   std::map<const fixtures::RgbImage*, TextureRow> known;
   for (const fixtures::MeshMaterial& material : scene.materials) {
     made.material.push_back(FL_NONE);
-    if (!material.texture) continue;
+    const std::uint32_t sheen = sheens.number(material.sheen);
+    if (!material.texture && sheen == 0) continue;
+    const vec4 albedo(glm::clamp(material.albedo, 0.0f, 1.0f), sheen);
+    if (!material.texture) {
+      made.material.back() = static_cast<std::uint32_t>(made.rows.size());
+      made.rows.push_back({albedo, 0, 0, 0, 1});
+      continue;
+    }
     const fixtures::MeshTexture& texture = *material.texture;
     const auto [place, is_new] = known.try_emplace(texture.image.get());
     if (is_new) {
@@ -55,7 +62,7 @@ ObjectTextures object_textures(const fixtures::Mesh& scene) {
     made.rows.push_back(place->second);
     made.rows.back().modes |= static_cast<std::uint32_t>(texture.wrap_u) << FL_TEXTURE_WRAP_U |
                               static_cast<std::uint32_t>(texture.wrap_v) << FL_TEXTURE_WRAP_V;
-    made.rows.back().albedo = vec4(glm::clamp(material.albedo, 0.0f, 1.0f), 0);
+    made.rows.back().albedo = albedo;
   }
   if (made.rows.empty()) return made;
   for (const fixtures::MeshVertex& vertex : scene.vertices) made.uvs.push_back(vertex.uv);

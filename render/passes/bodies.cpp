@@ -12,6 +12,11 @@
 #include "shaders/object.vert.h"
 #include "shaders/place.comp.h"
 #include "shaders/resolve.comp.h"
+#include "shaders/sheenbody.frag.h"
+#include "shaders/sheenbody.vert.h"
+#include "shaders/sheenbodymirror.frag.h"
+#include "shaders/sheenmirror.frag.h"
+#include "shaders/sheensurface.frag.h"
 #include "shaders/small.comp.h"
 #include "shaders/surface.frag.h"
 #include "shaders/texturemirror.frag.h"
@@ -118,6 +123,16 @@ class BodiesPass final : public Pass {
   Parts parts_;
 };
 
+vk::Spirv body_fragments(bool mirrors, bool sheen) {
+  if (sheen) return mirrors ? vk::Spirv(kSheenbodymirrorFrag) : vk::Spirv(kSheenbodyFrag);
+  return mirrors ? vk::Spirv(kMirrorFrag) : vk::Spirv(kSurfaceFrag);
+}
+// Those of objects with textures, or with sheen.
+vk::Spirv texture_fragments(bool mirrors, bool sheen) {
+  if (sheen) return mirrors ? vk::Spirv(kSheenmirrorFrag) : vk::Spirv(kSheensurfaceFrag);
+  return mirrors ? vk::Spirv(kTexturemirrorFrag) : vk::Spirv(kTexturesurfaceFrag);
+}
+
 Result<BoundPipeline> raster_part(const PassContext& context, const vk::Pipeline::Raster& raster) {
   FL_ASSIGN(auto pipeline, context.device.pipelines().raster(raster));
   return BoundPipeline::create(context, std::move(pipeline));
@@ -127,22 +142,24 @@ Result<BoundPipeline> raster_part(const PassContext& context, const vk::Pipeline
 
 const PassEntry kBodiesPass{
     "bodies", [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_bodies(needs, settings); },
-    // The constant selects a shader.
+    // The constants select shaders.
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return std::vector<vk::SpecConstant>{{FL_SPEC_GLOSS, has_gloss(needs, settings)}};
+      return std::vector<vk::SpecConstant>{{FL_SPEC_GLOSS, has_gloss(needs, settings)},
+                                           {FL_SPEC_SHEEN, has_sheen(needs, settings)}};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       using fixtures::BodyVertex;
       const Resources& r = context.resources;
-      vk::Pipeline::Raster raster{
-          kBodyVert,
-          has_constant(context, FL_SPEC_GLOSS) ? vk::Spirv(kMirrorFrag) : vk::Spirv(kSurfaceFrag),
-          r.picture.surface_id.format,
-          r.picture.depth.format,
-          sizeof(BodyVertex),
-          {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
-           {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
-           {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}};
+      const bool mirrors = has_constant(context, FL_SPEC_GLOSS);
+      const bool sheen = has_constant(context, FL_SPEC_SHEEN);
+      vk::Pipeline::Raster raster{sheen ? vk::Spirv(kSheenbodyVert) : vk::Spirv(kBodyVert),
+                                  body_fragments(mirrors, sheen),
+                                  r.picture.surface_id.format,
+                                  r.picture.depth.format,
+                                  sizeof(BodyVertex),
+                                  {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
+                                   {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
+                                   {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}};
       BodiesPass::Parts parts;
       if (r.rig.slot_count > 0) {
         FL_ASSIGN(parts.place, BoundPipeline::compute(context, kPlaceComp, {}));
@@ -151,16 +168,13 @@ const PassEntry kBodiesPass{
         if (context.settings.small_body_px > 0) {
           FL_ASSIGN(parts.small_depths, BoundPipeline::compute(context, kSmallComp, {{FL_SPEC_SMALL_KEYS, 0}}));
           FL_ASSIGN(parts.small_keys, BoundPipeline::compute(context, kSmallComp, {{FL_SPEC_SMALL_KEYS, 1}}));
-          FL_ASSIGN(parts.resolve, BoundPipeline::compute(context, kResolveComp, {}));
+          FL_ASSIGN(parts.resolve, BoundPipeline::compute(context, kResolveComp, {{FL_SPEC_SHEEN, sheen}}));
         }
       }
       if (r.rig.object_draw_count > 0) {
-        raster.vertex_spirv = kObjectVert;
-        if (r.rig.texture_count > 0) {
-          raster.vertex_spirv = kTextureobjectVert;
-          raster.fragment_spirv = has_constant(context, FL_SPEC_GLOSS) ? vk::Spirv(kTexturemirrorFrag)
-                                                                       : vk::Spirv(kTexturesurfaceFrag);
-        }
+        raster.vertex_spirv = r.rig.texture_count > 0 ? vk::Spirv(kTextureobjectVert) : vk::Spirv(kObjectVert);
+        raster.fragment_spirv =
+            r.rig.texture_count > 0 ? texture_fragments(mirrors, sheen) : body_fragments(mirrors, false);
         FL_ASSIGN(parts.objects, raster_part(context, raster));
       }
       return std::unique_ptr<Pass>(new BodiesPass(context, std::move(parts)));
@@ -175,7 +189,11 @@ const PassEntry kBodiesPass{
                                                  {kBodyVert, kMirrorFrag},
                                                  {kObjectVert, kMirrorFrag},
                                                  {kTextureobjectVert, kTexturesurfaceFrag},
-                                                 {kTextureobjectVert, kTexturemirrorFrag}};
+                                                 {kTextureobjectVert, kTexturemirrorFrag},
+                                                 {kSheenbodyVert, kSheenbodyFrag},
+                                                 {kSheenbodyVert, kSheenbodymirrorFrag},
+                                                 {kTextureobjectVert, kSheensurfaceFrag},
+                                                 {kTextureobjectVert, kSheenmirrorFrag}};
     },
     "bodies of fixtures and objects of the scene",
     [] {

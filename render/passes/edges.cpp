@@ -29,6 +29,7 @@ const PassEntry kEdgesPass{"edges",
                            [](const fixtures::Needs& needs, const FrameSettings& settings) {
                              return std::vector<vk::SpecConstant>{{FL_SPEC_BOXES, needs.surfaces},
                                                                   {FL_SPEC_BODIES, has_bodies(needs, settings)},
+                                                                  {FL_SPEC_SHEEN, has_sheen(needs, settings)},
                                                                   {FL_SPEC_EDGE_SAMPLES, settings.edge_samples}};
                            },
                            [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {

@@ -68,6 +68,7 @@ const PassEntry kLasersPass{
       return std::vector<vk::SpecConstant>{{FL_SPEC_EXTINCTION, needs.extinction},
                                            {FL_SPEC_BOXES, needs.surfaces},
                                            {FL_SPEC_BODIES, has_bodies(needs, settings)},
+                                           {FL_SPEC_SHEEN, has_sheen(needs, settings)},
                                            {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
                                            {FL_SPEC_LASER, has_air(needs, settings)},
                                            {FL_SPEC_TILES, settings.tile_error > 0},

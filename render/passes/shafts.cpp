@@ -60,6 +60,7 @@ const PassEntry kShaftsPass{
           {FL_SPEC_EXTINCTION, needs.extinction},
           {FL_SPEC_BOXES, needs.surfaces},
           {FL_SPEC_BODIES, has_bodies(needs, settings)},
+          {FL_SPEC_SHEEN, has_sheen(needs, settings)},
           {FL_SPEC_SHADOWS, has_shafts_shadowed(needs, settings)},
           {FL_SPEC_AIR, has_shafts_in_air(needs, settings)},
           // Frames that are compared with the judge, which takes rays and no pixels, have whole images.

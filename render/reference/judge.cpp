@@ -29,6 +29,7 @@ using namespace ::footlight::f64;
 namespace {
 using fixtures::kWheelOpening;
 #include "render/shaders/shared/optics.h"
+#include "render/shaders/shared/sheen.h"
 }  // namespace
 }  // namespace footlight::render::f64
 
@@ -473,6 +474,13 @@ struct Air {
 double inscatter(const JudgeBeam& beam, const Air& air, const Ray& ray, double t_min_m, double t_max_m,
                  const GoboTransmission& gobo, double tolerance, int refinement, std::span<const JudgeSolid> solids);
 
+// Reflected light of a beam over its illuminance, of a surface with sheen.
+glm::dvec3 sheen_share(const SurfaceHit& hit, const JudgeBeam& beam, const glm::dvec3& point_m, const glm::dvec3& ray) {
+  const LightAt at = light_at(beam, {}, point_m - beam.lens_m);
+  const f64::Sheen sheen = f64::sheen_of(hit.albedo, hit.albedo, hit.sheen->roughness, hit.sheen->metal);
+  return f64::sheen_reflected(sheen, beam.lens_radius_m / at.distance_m, hit.normal, -ray, -at.direction);
+}
+
 glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, int refinement, double* hits) {
   glm::dvec3 total(0);
   const std::optional<SurfaceHit> hit = judge_hit(scene, ray);
@@ -501,18 +509,25 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
   if (hit) {
     const glm::dvec3 point_m = ray.origin_m + hit->t_m * ray.direction;
     glm::dvec3 lux(scene.ambient_lx);
+    glm::dvec3 of_sheen(0);
     for (const JudgeBeam& beam : scene.beams) {
       const double lit = judge_lit(beam, scene.lens, scene.solids, point_m);
       if (!(lit > 0)) continue;
-      lux += in_colors(beam,
-                       [&](const GoboTransmission& gobo) {
-                         return lit * judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
-                       }) *
-             beam.strength_lm;
+      const glm::dvec3 beam_lux =
+          in_colors(beam,
+                    [&](const GoboTransmission& gobo) {
+                      return lit * judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
+                    }) *
+          beam.strength_lm;
+      if (hit->sheen && glm::length(beam_lux) > 0) {
+        of_sheen += beam_lux * sheen_share(*hit, beam, point_m, ray.direction);
+      } else {
+        lux += beam_lux;
+      }
     }
     lux += judge_sun_lux(scene, point_m, hit->normal);
     lux += judge_display_lux(scene, point_m, hit->normal);
-    glm::dvec3 light = hit->albedo * lux / std::numbers::pi;
+    glm::dvec3 light = hit->albedo * lux / std::numbers::pi + of_sheen;
     if (const fixtures::GlossTop* gloss = hit->normal.z > 0 ? gloss_at(scene, point_m) : nullptr; gloss != nullptr) {
       const double share = gloss_share(gloss->gloss, -ray.direction.z);
       double others = 0;
@@ -962,6 +977,7 @@ std::optional<SurfaceHit> judge_hit(const JudgeScene& scene, const Ray& ray) {
     hit.t_m = enter;
     hit.normal[side] = ray.direction[side] > 0 ? -1.0 : 1.0;
     hit.albedo = box.albedo;
+    hit.sheen = box.sheen && !box.sheen->matt() ? box.sheen : std::nullopt;
     nearest = hit;
   }
   return nearest;

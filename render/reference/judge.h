@@ -170,6 +170,7 @@ struct SurfaceHit {
   double t_m = 0;
   glm::dvec3 normal{0};
   glm::dvec3 albedo{0};
+  std::optional<fixtures::Sheen> sheen;  // null: matt
 };
 
 // Returns the nearest box that the ray enters from outside.

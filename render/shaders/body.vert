@@ -1,5 +1,6 @@
 #version 460
-// Fixture bodies: one instance a head; each vertex is behind so many joints of the head's chain.
+// Fixture bodies: one instance a head; each vertex is behind so many joints of the head's chain. FL_SHEEN: some have
+// materials with sheen.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
@@ -26,5 +27,11 @@ void main() {
   vec3 p = chain_to_fixture(type, state, depth, position_m, 1.0);
   out_offset_m = fixture_to_stage_point(row, p) - params.position.xyz;
   gl_Position = project(out_offset_m);
+#ifdef FL_SHEEN
+  uint sheen = part >> FL_PART_SHEEN_SHIFT;
+  out_id = 1u + ((index << 3) | (part & 7u));
+  if (sheen != 0u) out_id |= FL_BODY_SHEEN | sheen << FL_BODY_SHEEN_SHIFT;
+#else
   out_id = 1u + ((index << 3) | part);
+#endif
 }

@@ -79,7 +79,7 @@ void main() {
   gobo_begin(index);
   SurfaceBeam beam = surface_beam(row);
   beam.thin = false;
-  Surface across = Surface(kBox, 0u, -row.axis.xyz, 0.0);
+  Surface across = Surface(kBox, 0u, -row.axis.xyz, 0.0, 0u);
   Medium medium = Medium(params.anisotropy, params.position.w);
   float w = row.x_axis.w + row.y_axis.w * t;
   float area = disc * w * w / float(FL_BOUNCE_RAYS);

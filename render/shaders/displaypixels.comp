@@ -51,7 +51,7 @@ void main() {
   uint lanes = min(kThreads / count, kLanesMost);
   uint number = thread / lanes;
   ivec2 pixel = ivec2(0);
-  Surface surface = Surface(kNothing, 0u, vec3(0.0), kNothingM);
+  Surface surface = Surface(kNothing, 0u, vec3(0.0), kNothingM, 0u);
   if (number < count) {
     uint at = listed[number];
     pixel = ivec2(gl_WorkGroupID.xy) * FL_TILE_PX + ivec2(at % uint(FL_TILE_PX), at / uint(FL_TILE_PX));

@@ -138,7 +138,7 @@ void main() {
     if (may_show(displays[thread], low, low + float(FL_TILE_PX))) atomicOr(shown[thread / 32u], 1u << (thread & 31u));
   }
   vec3 ray = normalize(ray_through(vec2(pixel) + 0.5));
-  Surface surface = Surface(kNothing, 0u, vec3(0.0), kNothingM);
+  Surface surface = Surface(kNothing, 0u, vec3(0.0), kNothingM, 0u);
   PixelLight light = PixelLight(vec3(0.0), vec3(0.0), true, true);
   if (is_drawn) {
     surface = surface_at(pixel, ray);

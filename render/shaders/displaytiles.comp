@@ -43,7 +43,7 @@ void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   bool is_drawn = pixel.x < int(params.width) && pixel.y < int(params.height);
   vec3 ray = normalize(ray_through(vec2(pixel) + 0.5));
-  Surface surface = Surface(kNothing, 0u, vec3(0.0), kNothingM);
+  Surface surface = Surface(kNothing, 0u, vec3(0.0), kNothingM, 0u);
   if (is_drawn) surface = surface_at(pixel, ray);
   bool solid = surface.kind != kNothing;
   vec4 own = solid ? vec4(surface.normal, dot(surface.normal, ray) * surface.t_m) : vec4(0.0);

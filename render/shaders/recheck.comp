@@ -27,6 +27,8 @@
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 #include "render/shaders/lib/surface_light.glsl"
 #include "render/shaders/lib/bounce.glsl"
+#include "render/shaders/shared/sheen.h"
+#include "render/shaders/lib/sheen.glsl"
 #define FL_LENSES_ACCESS readonly
 #include "render/shaders/lib/lens_row.glsl"
 
@@ -45,6 +47,7 @@ shared uvec2 proposed[kThreads];
 shared uint taken;
 shared float weight;
 shared vec3 sum_lx[kThreads];
+shared vec3 sum_reflected[kThreads];
 shared vec3 sum_air[kThreads];
 shared vec3 sum_lenses[kThreads];
 
@@ -123,16 +126,15 @@ vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m)
   return row.j0.rgb * (gain * value);
 }
 
-// What the eye gets from a surface with this illuminance.
-vec3 seen_of(Surface surface, vec3 offset_m, vec3 lx, Medium medium) {
+// What the eye gets from a surface with this illuminance. reflected: of a surface with sheen, the light of beams,
+// cd/m^2.
+vec3 seen_of(Surface surface, vec3 offset_m, vec3 lx, vec3 reflected, Medium medium) {
   if (surface.kind == kNothing) return vec3(0.0);
   float form = work_light(surface.normal, offset_m);
   if (kBounce) lx += bounced_lx(surface, params.position.xyz + offset_m);
-  vec3 albedo = vec3(kBodyAlbedo);
-  if (surface.kind == kBox) albedo = boxes[surface.which].albedo.rgb;
-  if (surface.kind == kObject) albedo = vec3((uvec3(surface.which) >> uvec3(20, 10, 0)) & 1023u) / 1023.0;
+  vec3 albedo = albedo_of(surface);
   vec3 ambient = vec3(surface.kind == kBox ? params.ambient_lx : params.ambient_lx * form);
-  vec3 color = albedo / kPi * (lx + ambient + params.work_lx * form);
+  vec3 color = albedo / kPi * (lx + ambient + params.work_lx * form) + reflected;
   if (surface.kind == kBody && (surface.which & uint(FL_PART_LENS)) != 0u) {
     color += lens_radiance(surface.which >> 3, surface.t_m, normalize(offset_m), surface.normal);
   }
@@ -194,11 +196,26 @@ void main() {
   Surface surface = surface_at(ivec2(pixel), d);
   vec3 offset_m = d * surface.t_m;
   vec3 lx = vec3(0.0);
+  vec3 reflected = vec3(0.0);
+  bool shows_sheen = kSheen && surface.sheen != 0u;
+  Sheen sheen;
+  if (shows_sheen) sheen = surface_sheen(ivec2(pixel), surface, albedo_of(surface));
   vec3 air = vec3(0.0);
   for (uint index = empty ? counts.live_count : lane; index < counts.live_count; index += kThreads) {
     BeamRow row = beams[index];
     gobo_begin(index);
-    if (surface.kind != kNothing) lx += light_on_surface(surface_beam(row), row, index, medium, surface, offset_m);
+    if (surface.kind != kNothing) {
+      SurfaceBeam beam = surface_beam(row);
+      vec2 rho;
+      float r_m;
+      vec3 light = light_and_place(beam, row, index, medium, surface, offset_m, rho, r_m);
+      if (shows_sheen && light != vec3(0.0)) {
+        reflected += light * sheen_share(sheen, surface, offset_m,
+                                         way_on_stage(row, beam_direction(beam.shape, rho)), lens_angle(row, r_m));
+      } else {
+        lx += light;
+      }
+    }
     if (params.forward.w > 0.0) air += light_in_air(row, index, medium, d, surface.t_m);
   }
   vec3 small = vec3(0.0);
@@ -207,15 +224,17 @@ void main() {
   }
   sum_lenses[lane] = small;
   sum_lx[lane] = lx;
+  sum_reflected[lane] = reflected;
   sum_air[lane] = air;
   barrier();
   if (lane != 0u) return;
   for (uint i = 1u; i < kThreads; ++i) {
     lx += sum_lx[i];
+    reflected += sum_reflected[i];
     air += sum_air[i];
     small += sum_lenses[i];
   }
-  vec3 general = seen_of(surface, offset_m, lx, medium) + params.forward.w * air + small;
+  vec3 general = seen_of(surface, offset_m, lx, reflected, medium) + params.forward.w * air + small;
   vec4 shown = imageLoad(radiance, ivec2(pixel));
   empty = empty || has_edge(pixel);
   rechecked[gl_WorkGroupID.x] =

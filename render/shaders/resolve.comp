@@ -9,6 +9,7 @@
 #include "render/shaders/lib/normal.glsl"
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
+layout(constant_id = FL_SPEC_SHEEN) const bool kSheen = false;
 layout(set = 0, binding = FL_BINDING_BODY_VERTICES, std430) readonly buffer VerticesBuffer {
   BodyVertexRow vertices[];
 };
@@ -74,5 +75,11 @@ void main() {
   // As surface.frag: a normal that lies on the far side of its triangle is turned over.
   if (dot(face, ray) > 0.0) face = -face;
   if (dot(n, face) < 0.0) n = -n;
+  uint sheen = kSheen ? part >> FL_PART_SHEEN_SHIFT : 0u;
+  if (sheen != 0u) {
+    uint id = 1u + ((body.head << 3) | (part & 7u)) | FL_BODY_SHEEN;
+    imageStore(surface_id, ivec2(at), uvec4(pack_sheen_normal(n, sheen), id, 0u, 0u));
+    return;
+  }
   imageStore(surface_id, ivec2(at), uvec4(pack_normal(n), 1u + ((body.head << 3) | part), 0u, 0u));
 }

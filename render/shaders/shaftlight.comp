@@ -357,7 +357,7 @@ void main() {
   uvec2 pixel = gl_GlobalInvocationID.xy;
   bool inside = pixel.x < params.width && pixel.y < params.height;
   View view = view_of(pixel);
-  Surface surface = Surface(kNothing, 0u, vec3(0.0, 0.0, 1.0), 0.0);
+  Surface surface = Surface(kNothing, 0u, vec3(0.0, 0.0, 1.0), 0.0, 0u);
   if (inside) surface = surface_at(ivec2(pixel), view.ray);
   if (kShadows) find_solids(groups[0].sun.xyz, view.ray * min(surface.t_m, tile_reach()), sides);
   if (!inside) return;

@@ -40,6 +40,8 @@ float shaded_share(uint index, uint number, vec3 p, vec3 aside, uint fixture, fl
 float lit_share(uint index, uint number, BeamRow row, vec3 p);
 #include "render/shaders/lib/surface_light.glsl"
 #include "render/shaders/lib/bounce.glsl"
+#include "render/shaders/shared/sheen.h"
+#include "render/shaders/lib/sheen.glsl"
 
 layout(local_size_x_id = FL_SPEC_GROUP) in;
 
@@ -66,15 +68,38 @@ shared uint shaded_first[FL_BATCH];
 shared uint shaded_count[FL_BATCH];
 
 vec3 illuminance_lx[kRows];  // of the thread's pixels
+Sheen sheen[kRows];          // of those that are not matt
+vec3 reflected[kRows];       // what these reflect of the light of beams, cd/m^2
+shared bool has_sheen;       // the tile shows some
+#include "render/shaders/lib/sheen_class.glsl"
 
 bool has_others;  // the thread's block has pixels that do not show the plane
 
+// Adds what pixels with sheen reflect of a plain beam. off_tile: only those that have not the tile's polynomials.
+void add_plain_sheen(BeamRow row, Medium medium, float plane_facing, bool off_tile) {
+  vec3 lens_m = lens_place(row);
+  for (int i = 0; i < int(kRows); ++i) {
+    if (surface[i].sheen == 0u || (off_tile && in_tile_sheen[i])) continue;
+    float facing = plane_facing;
+    if (!on_plane[i]) facing = plain_facing(row, lens_m, surface[i].normal, dot(surface[i].normal, offset_m[i]));
+    float light = plain_illuminance(row, medium, offset_m[i], facing);
+    if (!(light > 0.0)) continue;
+    vec3 p = row.eye.xyz + to_light(row, offset_m[i]);
+    vec3 way = plain_way(row, p);
+    float slant = length(way);
+    reflected[i] += row.j0.rgb * light * sheen_share(sheen[i], surface[i], offset_m[i], way_on_stage(row, way / slant),
+                                                     lens_angle(row, p.z * slant));
+  }
+}
+
 // Adds a plain beam to the thread's pixels. off_plane: only to those that do not show the tile's plane. facing:
 // plain_facing() of that plane. has_shade: its map may hide some of its light.
-void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facing, bool has_shade) {
+void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facing, bool has_shade, bool off_tile) {
   BeamRow row = beams[index];
   float facing[kRows];
   [[unroll]] for (int i = 0; i < int(kRows); ++i) facing[i] = plane_facing;
+  if (kSheen && has_sheen) add_plain_sheen(row, medium, plane_facing, off_tile);
+  if (kSheen && off_plane && !has_others) return;
   if (has_others) {
     vec3 lens_m = lens_place(row);
     [[unroll]] for (int i = 0; i < int(kRows); ++i) {
@@ -115,14 +140,23 @@ float lit_share(uint index, uint number, BeamRow row, vec3 p) {
 }
 
 // Adds a beam that is not plain, or that may be widened, or that has shadows in the tile. number: in the batch.
-void add_shaped_beam(uint index, uint number, Medium medium, bool off_plane) {
+void add_shaped_beam(uint index, uint number, Medium medium, bool off_plane, bool off_tile) {
   BeamRow row = beams[index];
   gobo_begin(index);
   SurfaceBeam beam = surface_beam(row);
   beam.number = number;
   for (int i = 0; i < int(kRows); ++i) {
-    if (surface[i].kind == kNothing || (off_plane && on_plane[i])) continue;
-    illuminance_lx[i] += light_on_surface(beam, row, index, medium, surface[i], offset_m[i]);
+    bool is_added = off_plane && on_plane[i];  // by the polynomial
+    bool reflects = kSheen && surface[i].sheen != 0u && !(off_tile && in_tile_sheen[i]);
+    if (surface[i].kind == kNothing || (is_added && !reflects)) continue;
+    vec2 rho;
+    float r_m;
+    vec3 light = light_and_place(beam, row, index, medium, surface[i], offset_m[i], rho, r_m);
+    if (reflects && light != vec3(0.0)) {
+      reflected[i] += light * sheen_share(sheen[i], surface[i], offset_m[i],
+                                          way_on_stage(row, beam_direction(beam.shape, rho)), lens_angle(row, r_m));
+    }
+    if (!is_added) illuminance_lx[i] += light;
   }
 }
 
@@ -238,6 +272,7 @@ void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
   if (number < FL_BLOCKS * kBatchWords) block_bits[number / kBatchWords][number % kBatchWords] = 0u;
   if (number < kBatchWords) {
     smooth_bits[number] = 0u;
+    if (kSheen) sheen_bits[number] = 0u;
     shaped_bits[number] = 0u;
     uint left = count - min(count, number * 32u);
     cover_bits[number] = left >= 32u ? ~0u : (1u << left) - 1u;
@@ -297,6 +332,7 @@ void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
       has_smooth = true;
     }
     barrier();
+    if (kSheen && plane_sheen) classify_sheen(at, here, medium, plane.xyz);
   }
 }
 
@@ -317,6 +353,19 @@ void add_polynomial(vec2 from_px) {
   }
 }
 
+// Fills what is known of pixels with sheen before any beam.
+void begin_sheen(uvec2 pixel_low) {
+  bool any = false;
+  for (int i = 0; i < int(kRows); ++i) {
+    reflected[i] = vec3(0.0);
+    if (surface[i].sheen == 0u) continue;
+    sheen[i] = surface_sheen(ivec2(pixel_low) + ivec2(0, i), surface[i], albedo_of(surface[i]));
+    any = true;
+  }
+  barrier();
+  if (any) has_sheen = true;  // a barrier follows before it is read
+}
+
 void main() {
   Medium medium = Medium(params.anisotropy, params.position.w);
   uvec2 size = uvec2(params.width, params.height);
@@ -331,8 +380,14 @@ void main() {
     offset_m[i] = d * surface[i].t_m;
     illuminance_lx[i] = vec3(params.ambient_lx);
   }
-  if (thread_number() == 0u) has_smooth = false;
-  find_shapes(pixel_low, min(tile_low + uint(FL_SURFACE_PX / 2), size - 1u));
+  if (thread_number() == 0u) {
+    has_smooth = false;
+    if (kSheen) has_sheen = false;
+  }
+  if (kSheen) begin_sheen(pixel_low);
+  uvec2 middle_px = min(tile_low + uint(FL_SURFACE_PX / 2), size - 1u);
+  find_shapes(pixel_low, middle_px);
+  if (kSheen) find_tile_sheen(pixel_low, middle_px);
   vec4 plane = tile_plane;
   vec2 middle = vec2(tile_low) + 0.5 * float(FL_SURFACE_PX);
   if (kTiles) place_nodes(plane, middle);
@@ -354,17 +409,20 @@ void main() {
         // Compilers then keep the threads of a subgroup together through the loop.
         if (gl_SubgroupSize <= kBlockThreads) rest = subgroupBroadcastFirst(rest);
         uint smooth_ones = smooth_bits[w];
-        if (!has_others) rest &= ~smooth_ones;
+        uint sheen_ones = kSheen ? sheen_bits[w] : 0u;
+        if (!has_others && !(kSheen && plane_sheen)) rest &= ~smooth_ones;
+        if (kSheen && !has_others && plane_sheen && !plane_mixed) rest &= ~(smooth_ones & sheen_ones);
         // Two loops, since lavapipe runs both sides of a branch.
         for (uint bits = rest & ~shaped_bits[w]; bits != 0u; bits &= bits - 1u) {
           uint b = uint(findLSB(bits));
           add_plain_beam(list_ids[at + w * 32u + b], medium, (smooth_ones >> b & 1u) != 0u, plane_facing[w * 32u + b],
-                         kMaps && shaded_count[w * 32u + b] > 0u);
+                         kMaps && shaded_count[w * 32u + b] > 0u, (sheen_ones >> b & 1u) != 0u);
         }
         for (uint bits = rest & shaped_bits[w]; bits != 0u; bits &= bits - 1u) {
           uint b = uint(findLSB(bits));
           uint own = w * 32u + b;
-          add_shaped_beam(list_ids[at + own], own, medium, (smooth_ones >> b & 1u) != 0u);
+          add_shaped_beam(list_ids[at + own], own, medium, (smooth_ones >> b & 1u) != 0u,
+                          (sheen_ones >> b & 1u) != 0u);
         }
       }
       barrier();  // the bits and the list have been read
@@ -374,12 +432,16 @@ void main() {
     fit_sums(smooth_sum);
     add_polynomial(vec2(pixel_low) + 0.5 - middle);
   }
+  if (kSheen && has_sheen_sums) add_sheen_sums(vec2(pixel_low) + 0.5 - middle);
 
   for (int i = 0; i < int(kRows); ++i) {
     uvec2 pixel = pixel_low + uvec2(0, i);
     if (any(greaterThanEqual(pixel, size))) continue;
     vec3 color = vec3(0.0);
     uint which = surface[i].which;
+    // Of surfaces with sheen the light of beams is in `reflected`.
+    bool shows_sheen = kSheen && surface[i].sheen != 0u && kView != uint(FL_VIEW_LUX);
+    if (shows_sheen) illuminance_lx[i] = vec3(params.ambient_lx);
     if (kBounce) illuminance_lx[i] += bounced_lx(surface[i], params.position.xyz + offset_m[i]);
     if (surface[i].kind == kBox) {
       float form = work_light(surface[i].normal, offset_m[i]);
@@ -397,6 +459,7 @@ void main() {
         color += lens_radiance(which >> 3, surface[i].t_m, ray, surface[i].normal);
       }
     }
+    if (shows_sheen) color += reflected[i];
     if (kExtinction) color *= exp(-medium.extinction_per_m * surface[i].t_m);
     if (kView == uint(FL_VIEW_LUX)) color = surface[i].kind != kNothing ? illuminance_lx[i] : vec3(0.0);
     if (kShowsClasses) color = vec3(0.0);

@@ -1,5 +1,6 @@
 // The share of light that a surface reflects. After surface.glsl.
-const float kBodyAlbedo = 0.04;  // as in surface_light.glsl
+// Reflectance of painted housings. Chosen by eye.
+const float kBodyAlbedo = 0.04;
 
 vec3 albedo_of(Surface surface) {
   if (surface.kind == kBox) return boxes[surface.which].albedo.rgb;

@@ -4,6 +4,7 @@
 // some GPUs: two boxes over 3840 x 2160 take 3.3 ms to draw on an H200.
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
+layout(constant_id = FL_SPEC_SHEEN) const bool kSheen = false;
 layout(set = 0, binding = FL_BINDING_SURFACE_ID, rg32ui) uniform readonly uimage2D surface_id;
 layout(set = 0, binding = FL_BINDING_DEPTH) uniform sampler2D depth_image;
 layout(set = 0, binding = FL_BINDING_BOXES, std430) readonly buffer BoxesBuffer { BoxRow boxes[]; };
@@ -24,20 +25,37 @@ struct Surface {
   uint which;   // box; head << 3 | part; of an object its albedo, 10 bits each
   vec3 normal;  // unit, outwards
   float t_m;    // along the unit ray
+  uint sheen;   // its SheenRow; 0: matt
 };
 
+// What the visibility buffer has at a pixel, without its distance.
+Surface triangle_of(uvec2 id) {
+  bool object = (id.y & FL_OBJECT) != 0u;
+  uint sheen = 0u;
+  bool marked = kSheen && (id.y & FL_BODY_SHEEN) != 0u;  // the same bit of an object
+  vec3 normal = marked ? unpack_sheen_normal(id.x, sheen) : unpack_normal(id.x);
+  return Surface(object ? kObject : kBody, object ? id.y & ~FL_OBJECT : (id.y & ~FL_BODY_SHEEN) - 1u, normal, kNothingM,
+                 sheen);
+}
+float triangle_depth(ivec2 pixel) {
+  float depth = texelFetch(depth_image, pixel, 0).x;
+  if (params.small_body_px > 0.0) {
+    depth = max(depth, uintBitsToFloat(small_depths[uint(pixel.y) * params.width + uint(pixel.x)]));
+  }
+  return depth;
+}
+Surface triangle_at(ivec2 pixel) {
+  if (!(triangle_depth(pixel) > 0.0)) return Surface(kNothing, 0u, vec3(0.0, 0.0, 1.0), kNothingM, 0u);
+  return triangle_of(imageLoad(surface_id, pixel).xy);
+}
+
 Surface surface_at(ivec2 pixel, vec3 ray) {
-  Surface hit = Surface(kNothing, 0u, vec3(0.0, 0.0, 1.0), kNothingM);
+  Surface hit = Surface(kNothing, 0u, vec3(0.0, 0.0, 1.0), kNothingM, 0u);
   if (kBodies) {
-    float depth = texelFetch(depth_image, pixel, 0).x;
-    if (params.small_body_px > 0.0) {
-      depth = max(depth, uintBitsToFloat(small_depths[uint(pixel.y) * params.width + uint(pixel.x)]));
-    }
+    float depth = triangle_depth(pixel);
     if (depth > 0.0) {  // elsewhere nothing has written the identity
-      uvec2 id = imageLoad(surface_id, pixel).xy;
-      bool object = (id.y & FL_OBJECT) != 0u;
-      hit = Surface(object ? kObject : kBody, object ? id.y & ~FL_OBJECT : id.y - 1u, unpack_normal(id.x),
-                    params.right.w / (depth * dot(ray, params.forward.xyz)));
+      hit = triangle_of(imageLoad(surface_id, pixel).xy);
+      hit.t_m = params.right.w / (depth * dot(ray, params.forward.xyz));
     }
   }
   if (kBoxes) {
@@ -63,7 +81,7 @@ Surface surface_at(ivec2 pixel, vec3 ray) {
                       (boxes[nearest].high.xyz - params.position.xyz) * inverse);
       float enter_m = max(in_m.x, max(in_m.y, in_m.z));
       vec3 face = in_m.x >= enter_m ? vec3(1, 0, 0) : in_m.y >= enter_m ? vec3(0, 1, 0) : vec3(0, 0, 1);
-      hit = Surface(kBox, nearest, -sign(ray) * face, enter_m);
+      hit = Surface(kBox, nearest, -sign(ray) * face, enter_m, kSheen ? uint(boxes[nearest].albedo.w) : 0u);
     }
   }
   return hit;

@@ -112,6 +112,25 @@ float surface_tolerance(float light) {
   return params.tile_error * sum.x * inversesqrt(max(sum.y, 1.0));
 }
 
+// Adds the light in node_light of the beams that have a smooth_color to the sum of each node and channel. sum: of
+// thread k < FL_TILE_LIGHT, at node k / 3 in channel k % 3. All threads of the group call it together.
+void add_nodes(uint count, inout float sum) {
+  uint number = thread_number();
+  // Threads have fixed beams, and parts are added in order.
+  for (uint k = number; k < kSumParts * uint(FL_TILE_LIGHT); k += kGroup) {
+    uint own = k % uint(FL_TILE_LIGHT);
+    float total = 0.0;
+    for (uint b = k / uint(FL_TILE_LIGHT); b < count; b += kSumParts) {
+      total += smooth_color[b][own % 3u] * node_light[b * FL_NODES + own / 3u];
+    }
+    part_sums[k] = total;
+  }
+  barrier();
+  for (uint k = number; k < uint(FL_TILE_LIGHT); k += kGroup) {
+    for (uint p = 0u; p < kSumParts; ++p) sum += part_sums[p * uint(FL_TILE_LIGHT) + k];
+  }
+}
+
 // Of `count` <= FL_COVERS_MAX beams that cover the plane, whose light is in node_light: this thread's own, with its
 // colour. Returns whether it is smooth. sum: of thread k < FL_TILE_LIGHT, the light of the smooth ones at node k / 3 in
 // channel k % 3. All threads of the group call it together.
@@ -128,19 +147,7 @@ bool add_smooth_beams(uint count, vec3 color, inout float sum) {
     smooth_color[b] = is_smooth ? vec4(color, 0.0) : vec4(0.0);
   }
   barrier();
-  // Threads have fixed beams, and parts are added in order.
-  for (uint k = number; k < kSumParts * uint(FL_TILE_LIGHT); k += kGroup) {
-    uint own = k % uint(FL_TILE_LIGHT);
-    float total = 0.0;
-    for (uint b = k / uint(FL_TILE_LIGHT); b < count; b += kSumParts) {
-      total += smooth_color[b][own % 3u] * node_light[b * FL_NODES + own / 3u];
-    }
-    part_sums[k] = total;
-  }
-  barrier();
-  for (uint k = number; k < uint(FL_TILE_LIGHT); k += kGroup) {
-    for (uint p = 0u; p < kSumParts; ++p) sum += part_sums[p * uint(FL_TILE_LIGHT) + k];
-  }
+  add_nodes(count, sum);
   return is_smooth;
 }
 

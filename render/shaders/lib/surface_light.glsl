@@ -1,8 +1,7 @@
 // What a surface does with light: lenses that shine, the work light, the light of a beam, and how a thin one is widened
 // there. After surface.glsl, gobo.glsl, beam.h, tile_test.glsl, thin.glsl, shadow.glsl and kExtinction.
 #include "render/shaders/lib/lens.glsl"
-// Reflectance of painted housings. Chosen by eye.
-const float kBodyAlbedo = 0.04;
+#include "render/shaders/lib/albedo.glsl"
 
 // The lens of a head, cd/m^2, as far as it is no splat: it lights the eye as all beams of the head do there, and a
 // little of its light goes to all sides. The disc's projected area over the square of its distance is the solid angle
@@ -67,11 +66,11 @@ SurfaceBeam surface_beam(BeamRow row) {
   beam.number = 0u;
   return beam;
 }
-// Illuminance of a surface by the beam that gobo_begin() was called with. offset_m: of the place from the camera.
-vec3 light_on_surface(SurfaceBeam beam, BeamRow row, uint index, Medium medium, Surface surface, vec3 offset_m) {
+// Illuminance of a surface by the beam that gobo_begin() was called with. offset_m: of the place from the camera. rho:
+// where the place is in the beam; r_m: how far from the lens.
+vec3 light_and_place(SurfaceBeam beam, BeamRow row, uint index, Medium medium, Surface surface, vec3 offset_m,
+                     out vec2 rho, out float r_m) {
   vec3 p = row.eye.xyz + to_light(row, offset_m);
-  vec2 rho;
-  float r_m;
   float share = beam.thin ? thin_illuminance(beam.shape, row, p, surface, offset_m, beam.plain, rho, r_m)
                           : beam_illuminance(beam.shape, p, rho, r_m);
   if (!(share > 0.0)) return vec3(0.0);
@@ -93,4 +92,10 @@ vec3 light_on_surface(SurfaceBeam beam, BeamRow row, uint index, Medium medium, 
   vec3 through = vec3(share);
   if (beam.gobo) through *= gobo_on_surface(row.gobo, rho, p.z);
   return row.j0.rgb * through;
+}
+
+vec3 light_on_surface(SurfaceBeam beam, BeamRow row, uint index, Medium medium, Surface surface, vec3 offset_m) {
+  vec2 rho;
+  float r_m;
+  return light_and_place(beam, row, index, medium, surface, offset_m, rho, r_m);
 }

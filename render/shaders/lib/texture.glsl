@@ -62,9 +62,20 @@ vec3 texture_mean(TextureRow row, vec2 uv, vec2 dx, vec2 dy) {
 }
 
 // The identity of a textured object at a pixel: its reflectance, rounded up or down so that the mean over pixels is
-// right.
+// right. sheen: its SheenRow.
+#ifdef FL_SHEEN
+uint textured_identity(uint texture_number, vec2 uv, vec2 dx, vec2 dy, vec2 pixel, out uint sheen) {
+#else
 uint textured_identity(uint texture_number, vec2 uv, vec2 dx, vec2 dy, vec2 pixel) {
+#endif
   TextureRow row = textures[texture_number];
+#ifdef FL_SHEEN
+  sheen = uint(row.albedo.w);
+  if (row.width == 0u) {
+    uvec3 plain = uvec3(row.albedo.rgb * 1023.0 + 0.5);
+    return FL_OBJECT | FL_OBJECT_TEXTURED | plain.r << 20 | plain.g << 10 | plain.b;
+  }
+#endif
   vec3 albedo = clamp(row.albedo.rgb * texture_mean(row, uv, dx, dy), 0.0, 1.0);
   vec3 rounding = fract(vec3(0.0, 0.33, 0.67) + fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))));
   uvec3 bits = uvec3(clamp(albedo * 1023.0 + rounding, 0.0, 1023.0));

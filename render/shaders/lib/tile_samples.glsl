@@ -246,7 +246,8 @@ void place_triangle(uint number, uint triangle) {
   if (at == FL_NONE) return;
   vec3 normal = normalize(to_x * face.x + to_y * face.y + params.forward.xyz * face.z);
   side_a[at] = uvec4(floatBitsToUint(a_out), floatBitsToUint(volume * turn));
-  side_b[at] = uvec4(floatBitsToUint(b_out), object_identity(mesh.y + a.part));
+  uint part = kSheen && (a.part & FL_OBJECT) == 0u ? a.part & 7u : a.part;
+  side_b[at] = uvec4(floatBitsToUint(b_out), object_identity(mesh.y + part));
   side_c[at] = uvec4(floatBitsToUint(c_out), pack_normal(normal));
 }
 

@@ -151,7 +151,8 @@
 // Light of displays by records (displaynodes.comp): DisplayTileRow, one a tile; DisplayListsHead with DisplayRecordRow.
 #define FL_BINDING_DISPLAY_TILES (111 + FL_LAMP_COUNT)
 #define FL_BINDING_DISPLAY_RECORDS (112 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (113 + FL_LAMP_COUNT)
+#define FL_BINDING_SHEENS (113 + FL_LAMP_COUNT)  // SheenRow; the first one is that of matt surfaces
+#define FL_BINDING_COUNT (114 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -207,7 +208,8 @@
 #define FL_SPEC_MAP_PX (48 + FL_LAMP_COUNT)  // texels a side of shadow maps; 0: shadows are cut exactly
 #define FL_SPEC_GLOSS (49 + FL_LAMP_COUNT)  // there are floors that mirror
 #define FL_SPEC_PENUMBRA (50 + FL_LAMP_COUNT)  // points of a lens from which shadows are cast: 1, 4 or 7
-#define FL_SPEC_COUNT (51 + FL_LAMP_COUNT)
+#define FL_SPEC_SHEEN (51 + FL_LAMP_COUNT)  // there are surfaces with sheen
+#define FL_SPEC_COUNT (52 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -712,8 +714,18 @@ struct MeterRow {
 struct BoxRow {
   vec4 low;     // m
   vec4 high;    // m
-  vec4 albedo;  // linear
+  vec4 albedo;  // linear; w: its SheenRow
 };
+
+// A material with sheen (sheen.h), 32 bytes.
+struct SheenRow {
+  vec4 color;  // rgb: of a fixture's body, what it reflects as a metal; other surfaces have their albedo
+  float roughness;
+  float metal;
+  uint pad_0;
+  uint pad_1;
+};
+#define FL_SHEENS_MAX 64  // what the visibility buffer can number; the first one is matt
 
 // What hides light: a parallelepiped on the stage, 64 bytes. Those that do not move come first, then FL_BODY_BOXES of
 // each body.
@@ -873,14 +885,21 @@ struct BodySlotRow {
 // part). `part`: how many joints of the head's chain move it, with FL_PART_LENS for a lens.
 #define FL_PART_DEPTH 3
 #define FL_PART_LENS 4
+// And its SheenRow, of vertices above FL_PART_SHEEN_SHIFT; between vertices and fragments this bit and the number above
+// FL_BODY_SHEEN_SHIFT; in the visibility buffer the bit alone. Where it or FL_OBJECT_TEXTURED is set in a rig with
+// sheen, the packed normal has the number in the last bits of its two halves (lib/normal.glsl).
+#define FL_PART_SHEEN_SHIFT 8
+#define FL_BODY_SHEEN 0x40000000u
+#define FL_BODY_SHEEN_SHIFT 24
+#define FL_HEADS_SHEEN_MAX 1048576  // heads of a rig whose bodies may have sheen
 // Of an object of the scene: this bit, and its albedo with 10 bits each from blue (lowest) to red.
 #define FL_OBJECT 0x80000000u
-// And this bit where it has a texture: then a vertex has the number of its TextureRow in place of the albedo.
+// And this bit where it has a texture or sheen: then a vertex has the number of its TextureRow in place of the albedo.
 #define FL_OBJECT_TEXTURED 0x40000000u
 struct TextureRow {
-  vec4 albedo;  // times that of the image
+  vec4 albedo;  // times that of the image; w: its SheenRow
   uint texel_first;
-  uint width;  // of the largest level
+  uint width;  // of the largest level; 0: it has no image
   uint height;
   uint modes;  // levels; << FL_TEXTURE_WRAP_...: 0 repeats, 1 mirrors, 2 is clamped
 };

@@ -119,6 +119,7 @@ Status Preview::turn() {
   turn_times_.add(static_cast<double>(dt_ns) * 1e-6);
   last_ns_ = now_ns;
   times_out_ = options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9;
+  const bool drew = picture_->in_flight() || thumbnails_.in_flight();
   FL_TRY(take_thumbnail());
   FL_TRY(take_picture());
   if (times_out_ && (shows_all() || window_->minimised())) {  // a short time still shows a picture
@@ -136,7 +137,8 @@ Status Preview::turn() {
   report_recording(false);
   if (picture_->in_flight() || thumbnails_.in_flight()) {
     FL_TRY(step_meanwhile());
-  } else {
+  } else if (!drew || times_out_ || !device_->is_software()) {
+    // In software a turn that shows a new picture does not begin the next one as well: both take long.
     FL_TRY(turn_stage(where));
   }
   drive_outputs();

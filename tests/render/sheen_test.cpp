@@ -1,0 +1,218 @@
+// Surfaces with sheen: pictures against the judge, which has the same reflection (shared/sheen.h) in double, and
+// objects against boxes.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/live_error.h"
+#include "render/reference/norms.h"
+#include "render/sheen_tables.h"
+#include "tests/render/judged_light.h"
+#include "tests/support/headless_vulkan.h"
+#include "tests/support/model_bytes.h"
+
+namespace footlight::render {
+namespace {
+
+using namespace render::testing;
+using footlight::testing::HeadlessVulkan;
+
+constexpr int kWidth = 32, kHeight = 18;
+
+void without_haze(Scene& scene) { scene.rig.haze = {0, 0, 0, 0}; }
+
+void recompile(Scene& scene) {
+  const std::vector<std::uint8_t> levels = scene.levels;
+  scene.compile();
+  scene.levels = levels;
+}
+
+// Lamps over a floor, before a wall of metal, with a matt box.
+Scene lamps_over(fixtures::Sheen floor, fixtures::Sheen wall) {
+  Scene scene = lamps_scene(3, 24);
+  without_haze(scene);
+  scene.rig.ambient_lx = 2;
+  scene.rig.boxes = {{"floor", {-14, -14, -0.3}, {14, 14, 0}, {0.06, 0.05, 0.04}, {}, floor},
+                     {"wall", {-10, 9, 0}, {10, 9.3, 7}, {0.9, 0.7, 0.4}, {}, wall},
+                     {"riser", {-3, 2, 0}, {-1, 4, 1}, {0.3, 0.4, 0.6}}};
+  recompile(scene);
+  view_from(scene, {0.5, -10, 2.5}, {0, 0, 0.8});
+  return scene;
+}
+
+PictureNorms error_of(vk::Device& device, const Scene& scene, const char* what, GoboMethod gobos = GoboMethod::kTaps) {
+  FrameSettings settings = judged_settings(kWidth, kHeight);
+  settings.gobo_method = gobos;
+  settings.gobo_taps = 256;
+  fixtures::f64::Walker walker(scene.compiled);
+  walker.step(scene.levels, 0);
+  JudgeScene judge = judge_scene(scene.rig, walker, gobos_of_judge(scene));
+  const fixtures::Camera& camera = scene.rig.cameras.empty() ? scene.camera : scene.rig.cameras[0];
+  const JudgedImage image =
+      judge_image(judge, view_of(camera), kWidth, kHeight, {.tolerance = 1e-5, .stated_error = false});
+  auto frame = make_frame(device, scene, settings);
+  frame->step(scene.levels, 0);
+  must(frame->draw(view_of(camera), 0));
+  const PictureNorms norms = picture_norms(must(frame->read_radiance()).rgb, image.rgb);
+  print_error(what, norms.rel_l2);
+  return norms;
+}
+
+TEST_CASE("surfaces with sheen reflect beams as the judge does, smooth and rough, plastic and metal") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  for (const double roughness : {0.0, 0.35}) {
+    const Scene scene = lamps_over({roughness, 0}, {roughness, 1});
+    const PictureNorms norms =
+        error_of(vulkan.device(), scene, ("sheen, roughness " + std::to_string(roughness)).c_str());
+    CHECK(norms.nonfinite == 0);
+    CHECK(norms.rel_l2 < 5e-5);
+  }
+  // The same rig without sheen is another picture.
+  const Scene scene = lamps_over({0.35, 0}, {0.35, 1});
+  const Scene matt = lamps_over({1, 0}, {1, 0});
+  const RadianceImage with = drawn_light(vulkan.device(), scene, kWidth, kHeight, true);
+  const std::vector<double> reference(with.rgb.begin(), with.rgb.end());
+  CHECK(rel_l2(drawn_light(vulkan.device(), matt, kWidth, kHeight, true), reference) > 0.1);
+}
+
+TEST_CASE("surfaces with sheen reflect beams of every shape as the judge does, as nearly as matt ones") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const auto check = [&](Scene scene, const std::string& what) {
+    without_haze(scene);
+    recompile(scene);
+    const PictureNorms matt = error_of(vulkan.device(), scene, ("matt, " + what).c_str());
+    for (fixtures::StageBox& box : scene.rig.boxes) box.sheen = fixtures::Sheen{0.3, 0.5};
+    recompile(scene);
+    const PictureNorms norms = error_of(vulkan.device(), scene, ("sheen, " + what).c_str());
+    CHECK(norms.nonfinite == 0);
+    CHECK(norms.rel_l2 < 1.5 * matt.rel_l2 + 1e-5);
+  };
+  check(measured_scene(20, 30, 25), "measured beams");
+  check(rectangle_scene(2.5, 30, 2), "rectangle");
+  Scene gobo = optics_scene(false);
+  gobo.set(0, "Gobo1WheelIndex", 2);
+  gobo.set(0, "Blade1A", 0.3);
+  check(gobo, "gobo and blade");
+}
+
+// Floods far above a floor and behind each other, so that each lights whole tiles.
+Scene washes_over(fixtures::Sheen floor, int count) {
+  Scene scene = lamps_scene(5, count);
+  without_haze(scene);
+  for (int i = 0; i < count; ++i) {
+    fixtures::PatchedFixture& lamp = scene.rig.fixtures[static_cast<std::size_t>(i)];
+    lamp.position_m = {-6 + 12.0 * (i % 5) / 4, -4 + i / 5, 9};
+    lamp.rotation_deg = {2.0 * (i % 7), 3.0 * (i % 3), 0};
+  }
+  scene.rig.boxes = {{"floor", {-20, -20, -0.3}, {20, 20, 0}, {0.2, 0.3, 0.1}, {}, floor}};
+  scene.compile();
+  for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
+    for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(i, color, 0.3 + 0.02 * (i % 10));
+    scene.set(i, "Zoom", 60);
+  }
+  scene.camera = {"above", {0.5, -10, 5}, {0, -1, 0}, 22, 4};
+  return scene;
+}
+
+TEST_CASE("sheen of beams that are added together for a tile is that pixel by pixel, within the tile error") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  struct Case {
+    double roughness;
+    double tile_error;
+    double rel_l2_max;  // three times what lavapipe gave
+  };
+  constexpr double kTileError = FrameSettings{}.tile_error;
+  for (const Case& c : {Case{0.35, kTileError, 2e-4}, Case{0.7, kTileError, 2e-4}, Case{0.1, kTileError, 2e-4}}) {
+    const Scene scene = washes_over({c.roughness, 0.5}, 30);
+    FrameSettings settings = judged_settings(256, 144);
+    settings.shadows = false;
+    const auto frame = make_frame(vulkan.device(), scene, settings);
+    const RadianceImage each = draw(*frame, scene);
+    settings.tile_error = c.tile_error;
+    must(frame->change(settings));
+    const RadianceImage together = draw(*frame, scene);
+    const PictureNorms norms = picture_norms(together, each);
+    print_error(("sheen, added together, roughness " + std::to_string(c.roughness)).c_str(), norms.rel_l2);
+    CHECK(norms.nonfinite == 0);
+    CHECK(norms.rel_l2 < c.rel_l2_max);
+    if (c.roughness > 0.3) CHECK(norms.rel_l2 > 0);  // some are added together
+    CHECK(draw(*frame, scene).rgb == together.rgb);
+  }
+}
+
+// Two walls, one beside the other, one of them a box and the other triangles: they are as bright.
+TEST_CASE("an object with sheen is as bright as a box with the same material") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = lamps_over({0.3, 0}, {0.4, 1});
+  scene.rig.boxes.pop_back();
+  scene.rig.boxes[1].albedo = glm::dvec3(341.0 / 1023);  // as the visibility buffer has it
+  recompile(scene);
+  const auto drawn = [&](const Scene& of) {
+    return drawn_light(vulkan.device(), of, kWidth, kHeight, true,
+                       [](FrameSettings& settings) { settings.bodies = true; });
+  };
+  const RadianceImage boxes = drawn(scene);
+  Scene mesh = scene;
+  fixtures::Scenery gauze = fixtures::default_scenery(fixtures::SceneryKind::kGauze);
+  gauze.position_m = {0, 9 + 0.004, 0};  // half its thickness behind the face of the wall
+  gauze.width_m = 20;
+  gauze.height_m = 7;
+  gauze.albedo = scene.rig.boxes[1].albedo;
+  gauze.sheen = scene.rig.boxes[1].sheen;
+  mesh.rig.scenery.push_back(gauze);
+  mesh.rig.boxes.erase(mesh.rig.boxes.begin() + 1);
+  recompile(mesh);
+  const std::vector<double> reference(boxes.rgb.begin(), boxes.rgb.end());
+  const double error = rel_l2(drawn(mesh), reference);
+  print_error("sheen, object beside box", error);
+  CHECK(error < 2e-3);
+  gauze.sheen.reset();
+  mesh.rig.scenery.back() = gauze;
+  recompile(mesh);
+  CHECK(rel_l2(drawn(mesh), reference) > 0.05);
+}
+
+TEST_CASE("a rig without sheen has no code for it, and the table of a rig with it has each material once") {
+  const Scene matt = lamps_over({1, 0}, {1, 0});
+  CHECK(!matt.compiled.needs.sheen);
+  CHECK(lamps_over({0.9, 0}, {1, 0}).compiled.needs.sheen);
+  SheenTable table;
+  CHECK(table.number({}) == 0);
+  CHECK(table.number(fixtures::Sheen{1, 0}) == 0);
+  CHECK(table.number(fixtures::Sheen{0.5, 0}) == 1);
+  CHECK(table.number(fixtures::Sheen{0.5, 1}) == 2);
+  CHECK(table.number(fixtures::Sheen{0.5, 0}) == 1);
+  CHECK(table.joined() == 0);
+  for (int i = 0; i < 200; ++i) CHECK(table.number(fixtures::Sheen{0.001 * i, 0}) < FL_SHEENS_MAX);
+  CHECK(table.rows().size() == FL_SHEENS_MAX);
+  CHECK(table.joined() > 100);
+  CHECK(table.rows()[table.number(fixtures::Sheen{0.51, 0.99})].metal == 1);
+}
+
+TEST_CASE("the live error of a picture with sheen is small") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = lamps_over({0.3, 0}, {0.4, 1});
+  FrameSettings settings = judged_settings(kWidth, kHeight);
+  auto frame = make_frame(vulkan.device(), scene, settings);
+  const auto live = must(LiveError::create(vulkan.device(), *frame, scene.compiled.needs));
+  REQUIRE(live != nullptr);
+  frame->step(scene.levels, 0);
+  must(frame->draw(view_of(scene.rig.cameras[0]), 0));
+  for (int i = 0; i < 6; ++i) {
+    must(vulkan.device().run_once([&](VkCommandBuffer commands) { live->record(commands); }));
+    must(live->take(i));
+  }
+  CHECK(live->estimate().samples > 24);
+  CHECK(live->estimate().rel_l2 < 2e-5);
+}
+
+}  // namespace
+}  // namespace footlight::render
