@@ -10,6 +10,8 @@
 
 #include "sim/core/counted.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -77,13 +79,15 @@ void Preview::drive_outputs() {
   outputs_->give(desk_->compiled().universes, levels, sendable);
   outputs_->follow(outputs_view_);
   if (picture_ns_ >= 0 && !std::exchange(outputs_told_, true)) {
-    tell(fmt::format("{}, not armed: F6", counted(outputs_view_.rows.size(), "output")));
+    tell(trf_n("{} output, not armed: F6", "{} outputs, not armed: F6", outputs_view_.rows.size(),
+               outputs_view_.rows.size()));
   }
   for (std::string& notice : outputs_->notices()) {
     // Without exceptions, since standard error may be gone: outputs go on.
     std::fputs(("footlight: " + notice + "\n").c_str(), stderr);
-    tell(notice, notice.starts_with("not armed"));
-    outputs_view_.notice = std::move(notice);
+    std::string words = tr_known(notice);
+    tell(words, notice.starts_with("not armed"));
+    outputs_view_.notice = std::move(words);
   }
 }
 
@@ -92,7 +96,7 @@ bool Preview::call_outputs(const UiCall& call) {
   const bool is_blackout = call.action == UiAction::kBlackout;
   if (!is_blackout && call.action != UiAction::kEndBlackout && call.action != UiAction::kDisarm) return false;
   if (!outputs_) {
-    tell("there is no output to real lamps; F6 or --output ENDPOINT adds one");
+    tell(tr("there is no output to real lamps; F6 or --output ENDPOINT adds one"));
   } else if (is_blackout) {
     outputs_->black_out();
   } else if (call.action == UiAction::kEndBlackout) {

@@ -9,11 +9,13 @@
 #include "tools/footlight/paths.h"
 #include "tools/footlight/pictures/knob_curves.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
 // The window may hang for longer than outputs wait.
-const char* const kArmedUnmeasured = "this machine is not measured yet, and outputs are armed: disarm them first";
+const char* const kArmedUnmeasured =
+    tr_mark("this machine is not measured yet, and outputs are armed: disarm them first");
 
 void Preview::take_picture_requests() {
   if (const auto haze = std::exchange(controls_.haze_per_m, std::nullopt)) {
@@ -94,7 +96,7 @@ void Preview::ask_for_quality(const render::QualityRequest& request) {
   if (asks && !curves_) {
     curves_ = read_knob_curves(knob_curves_path(cache_folder(), device_->facts()), device_->facts(), curves_program());
   }
-  if (asks && !curves_ && outputs_ && outputs_view_.any_on()) return tell(kArmedUnmeasured, true);
+  if (asks && !curves_ && outputs_ && outputs_view_.any_on()) return tell(tr(kArmedUnmeasured), true);
   facts_.quality = request;
   facts_.chosen.reset();
   keeper_.reset();
@@ -135,7 +137,7 @@ Result<bool> Preview::follow_quality() {
     facts_.measures_knobs = true;
   } else if (asks) {
     facts_.quality = {};
-    tell(curves.error().message + "; nodes and pixels are chosen by hand", true);
+    tell(trf("{}; nodes and pixels are chosen by hand", curves.error().message), true);
   } else if (wants) {
     tell(curves.error());
   }

@@ -1,11 +1,14 @@
 // The list of keys, from the table that handles them.
 #include <string>
 
+#include <fmt/format.h>
+
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -15,12 +18,14 @@ class KeysPanel final : public Panel {
   void draw(UiDesk&, const UiInput& input) override {
     keys_width_ = 160 * input.scale;
     for (const KeyRow& row : key_rows()) {
-      if (row.keys != nullptr) line(row.keys, row.does);
+      if (row.keys != nullptr) line(tr(row.keys), tr(row.does));
     }
     ImGui::Separator();
-    for (const PanelInfo& panel : panels()) line(panel.key_text, std::string(panel.title) + ": " + panel.shows);
+    for (const PanelInfo& panel : panels()) {
+      line(tr(panel.key_text), fmt::format("{}: {}", tr(panel.title), tr(panel.shows)));
+    }
     ImGui::Separator();
-    for (const MouseRow& row : mouse_rows()) line(row.hands, row.does);
+    for (const MouseRow& row : mouse_rows()) line(tr(row.hands), tr(row.does));
   }
 
  private:

@@ -11,6 +11,7 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -79,7 +80,7 @@ std::optional<UiCall> Palette::draw_rows(bool entered, bool scrolls, float scale
       }
       ImGui::PopID();
     }
-    if (rows_.empty()) ui_text(kUiDim, "No action has these words.");
+    if (rows_.empty()) ui_text(kUiDim, tr("No action has these words."));
   }
   ImGui::EndChild();
   if (entered && marked_ < rows_.size() && rows_[marked_].possible) chosen = rows_[marked_].call;
@@ -102,7 +103,8 @@ std::optional<UiCall> Palette::draw(const UiDesk& desk, bool has_log, const Outp
   if (begins) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
   constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue;
-  const bool entered = ImGui::InputTextWithHint("##words", "words of an action", text_.data(), text_.size(), kFlags);
+  const bool entered =
+      ImGui::InputTextWithHint("##words", tr("words of an action"), text_.data(), text_.size(), kFlags);
   const bool edited = ImGui::IsItemEdited();
   search(desk, has_log, outputs);
   if (edited || begins) marked_ = 0;

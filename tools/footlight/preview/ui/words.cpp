@@ -1,0 +1,208 @@
+#include "tools/footlight/preview/ui/words.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+
+#include <libintl.h>
+#include <locale.h>
+
+namespace footlight::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kDomain = "footlight";
+
+struct WordsInUse {
+  std::unique_ptr<Words> words;
+  std::map<std::pair<const char*, const char*>, std::string> labels;  // by text and id
+  std::map<const char*, const char*> formats;
+};
+WordsInUse& in_use() {
+  static WordsInUse all;
+  return all;
+}
+
+// The locale of the calling thread, for one call: strerror() and numbers keep theirs.
+class LocaleOfWords {
+ public:
+  explicit LocaleOfWords(locale_t locale) : before_(uselocale(locale)) {}
+  ~LocaleOfWords() { uselocale(before_); }
+  LocaleOfWords(const LocaleOfWords&) = delete;
+  LocaleOfWords& operator=(const LocaleOfWords&) = delete;
+
+ private:
+  locale_t before_;
+};
+
+class CatalogWords final : public Words {
+ public:
+  explicit CatalogWords(locale_t locale) : locale_(locale) {}
+  ~CatalogWords() override { freelocale(locale_); }
+  CatalogWords(const CatalogWords&) = delete;
+  CatalogWords& operator=(const CatalogWords&) = delete;
+
+  const char* word(const char* english) override {
+    if (english[0] == '\0') return english;  // gettext has the catalog's head there
+    const LocaleOfWords during(locale_);
+    return dgettext(kDomain, english);
+  }
+  const char* word_of_count(const char* one, const char* many, unsigned long count) override {
+    const LocaleOfWords during(locale_);
+    return dngettext(kDomain, one, many, count);
+  }
+  [[nodiscard]] bool has_catalog() const {
+    const LocaleOfWords during(locale_);
+    return dgettext(kDomain, "")[0] != '\0';
+  }
+
+ private:
+  locale_t locale_;
+};
+
+// The conversions of a format of printf(): "%.1f%%".
+std::string conversions_of(std::string_view format) {
+  std::string found;
+  for (std::size_t at = format.find('%'); at != std::string_view::npos; at = format.find('%', at)) {
+    const std::size_t end = format.find_first_not_of("0123456789.+-# ", at + 1);
+    if (end == std::string_view::npos) return found + "?";
+    found += format.substr(at, end + 1 - at);
+    at = end + 1;
+  }
+  return found;
+}
+
+// "de_AT" of "de_AT.UTF-8@euro".
+std::string without_charset(std::string_view locale) {
+  return std::string(locale.substr(0, locale.find_first_of(".@")));
+}
+
+}  // namespace
+
+namespace words_detail {
+
+std::string format(const char* english, const char* translated, fmt::format_args args) {
+  if (translated != english) {
+    try {
+      return fmt::vformat(translated, args);
+    } catch (const fmt::format_error&) {  // of a catalog that nobody has checked
+    }
+  }
+  return fmt::vformat(english, args);
+}
+
+}  // namespace words_detail
+
+void use_words(std::unique_ptr<Words> words) {
+  in_use().labels.clear();
+  in_use().formats.clear();
+  words_detail::current = words.get();
+  in_use().words = std::move(words);
+}
+
+const char* tr_label(const char* english) { return tr_label(english, english); }
+
+const char* tr_label(const char* english, const char* id) {
+  std::string& label = in_use().labels[{english, id}];
+  if (label.empty()) label = fmt::format("{}###{}", tr(english), id);
+  return label.c_str();
+}
+
+const char* tr_printf(const char* english) {
+  if (words_detail::current == nullptr) return english;
+  const char*& format = in_use().formats[english];
+  if (format == nullptr) {
+    const char* const translated = tr(english);
+    format = conversions_of(translated) == conversions_of(english) ? translated : english;
+  }
+  return format;
+}
+
+std::vector<std::string> languages_in(const std::string& folder) {
+  std::vector<std::string> languages;
+  std::error_code trouble;
+  for (fs::directory_iterator at(folder, trouble); !trouble && at != fs::directory_iterator(); at.increment(trouble)) {
+    std::error_code unknown;
+    if (fs::exists(at->path() / "LC_MESSAGES" / (std::string(kDomain) + ".mo"), unknown)) {
+      languages.push_back(at->path().filename().string());
+    }
+  }
+  std::sort(languages.begin(), languages.end());
+  return languages;
+}
+
+std::string language_of(const std::function<const char*(const char*)>& variable,
+                        const std::vector<std::string>& languages) {
+  const auto text_of = [&](const char* name) {
+    const char* const value = variable(name);
+    return std::string(value != nullptr ? value : "");
+  };
+  std::string locale;
+  for (const char* name : {"LC_ALL", "LC_MESSAGES", "LANG"}) {
+    if (locale.empty()) locale = text_of(name);
+  }
+  if (locale.empty() || locale == "C" || locale == "POSIX") return "";
+  std::string wanted = text_of("LANGUAGE");
+  if (wanted.empty()) wanted = locale;
+  for (std::size_t at = 0; at < wanted.size();) {
+    const std::size_t end = std::min(wanted.find(':', at), wanted.size());
+    const std::string one = without_charset(std::string_view(wanted).substr(at, end - at));
+    at = end + 1;
+    const std::string language = one.substr(0, one.find('_'));
+    if (language == "en" || language == "C" || language == "POSIX") return "";
+    for (const std::string& known : {one, language}) {
+      if (std::find(languages.begin(), languages.end(), known) != languages.end()) return known;
+    }
+  }
+  return "";
+}
+
+Result<std::unique_ptr<Words>> open_words(const std::string& language, const std::string& folder) {
+  (void)setenv("LANGUAGE", language.c_str(), 1);
+  bindtextdomain(kDomain, "/");  // another folder: gettext forgets the texts of another language
+  bindtextdomain(kDomain, folder.c_str());
+  bind_textdomain_codeset(kDomain, "UTF-8");
+  // gettext reads LANGUAGE in any locale but "C". The one of the language may not be installed; this one is.
+  for (const char* name : {"C.UTF-8", ""}) {
+    const locale_t locale = newlocale(LC_MESSAGES_MASK, name, static_cast<locale_t>(nullptr));
+    if (locale == nullptr) continue;
+    auto words = std::make_unique<CatalogWords>(locale);
+    if (words->has_catalog()) return std::unique_ptr<Words>(std::move(words));
+  }
+  return fail(ErrorCode::kUnsupported,
+              "no words of '{}' from {}: this system has neither the locale C.UTF-8 nor that of LANG; install one, or "
+              "use the language en",
+              language, folder);
+}
+
+std::string words_folder() {
+  std::error_code trouble;
+  const fs::path program = fs::read_symlink("/proc/self/exe", trouble);
+  return (program.parent_path().parent_path() / "share" / "locale").string();
+}
+
+Status choose_words(const std::string& language, const std::string& folder) {
+  const std::vector<std::string> languages = languages_in(folder);
+  std::string chosen = language;
+  if (language.empty()) {
+    chosen = language_of([](const char* name) { return std::getenv(name); }, languages);
+  } else if (language != "en" && std::find(languages.begin(), languages.end(), language) == languages.end()) {
+    std::string known = "en";
+    for (const std::string& one : languages) known += ", " + one;
+    return fail(ErrorCode::kBadInput, "--language {}: expected one of {}; docs/translating.md tells how to add one",
+                language, known);
+  }
+  if (chosen.empty() || chosen == "en") {
+    use_words(nullptr);
+    return {};
+  }
+  auto words = open_words(chosen, folder);
+  if (!words && !language.empty())
+    return fail(words.error().code, "--language {}: {}", language, words.error().message);
+  use_words(words ? std::move(*words) : nullptr);
+  return {};
+}
+
+}  // namespace footlight::tools
