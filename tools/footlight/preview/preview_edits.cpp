@@ -12,6 +12,7 @@
 #include "sim/core/no_signals.h"
 #include "tools/footlight/paths.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/words.h"
 #include "tools/footlight/status/status_text.h"
 
@@ -117,7 +118,7 @@ void Preview::open_inputs_again(const PreviewScene& before) {
   frame_->settle_machine_air(hand_->levels());
   if (outputs_) outputs_->black_out();  // real lamps must not follow faders that nobody has set
   if (const Status rests = rest_hand(); !rests) tell(rests.error());
-  tell(trf("faders drive the rig, the inputs are closed: {}", opened.error().message), true);
+  tell(trf("faders drive the rig, the inputs are closed: {}", tr_known(opened.error().message)), true);
 }
 
 // What drives the fixtures, for framed_ instead of the scene before.
@@ -182,7 +183,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       facts_.edit_to_frame_ms = static_cast<double>(clock_.now_ns() - made_begun_ns_) * 1e-6;
     } else {
       failed_ = std::exchange(making_scene_, nullptr);
-      tell(trf("{}; the picture shows the rig from before", made.error().message), true);
+      tell(trf("{}; the picture shows the rig from before", tr_known(made.error().message)), true);
     }
   }
   const SharedScene& scene = edited_->scene();
@@ -198,7 +199,7 @@ void Preview::save() {
   RigFile& file = edited_->file();
   if (!unsaved() && file.known()) return tell(trf("no edits to save in {}", file.target()));
   const auto report = file.save();
-  save_error_ = report ? "" : report.error().message;
+  save_error_ = report ? "" : tr_known(report.error().message);
   if (!report) return tell(save_error_, true);
   saved_revision_ = desk_->state().revision;
   autosave_->forget();

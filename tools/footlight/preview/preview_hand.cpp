@@ -59,7 +59,7 @@ void Preview::follow_hand() {
   if (std::exchange(view.release_hand, false)) layer_->command(HandAction::kReleaseAll);
   if (std::exchange(view.end_hand_blackout, false)) layer_->command(HandAction::kLift);
   const std::size_t held = layer_->held().held_count();
-  view.by_hand = held == 0 ? "" : trf_n("{} slot is set by hand", "{} slots are set by hand", held, held);
+  view.by_hand = held == 0 ? "" : trf_n("{} slot by hand", "{} slots by hand", held, held);
   view.dark_by_hand = layer_->held().dark();
   if (std::exchange(view.tap, false)) tap();
   learn();
@@ -89,7 +89,7 @@ void Preview::learn() {
   }
   if (const auto moved = learner.moved()) {
     const Status added = add_learnt(*moved);
-    view.refusal = added ? "" : added.error().message;
+    view.refusal = added ? "" : tr_known(added.error().message);
   }
   view.learns = learner.waits();
 }

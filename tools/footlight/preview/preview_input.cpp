@@ -12,6 +12,7 @@
 #include "tools/footlight/preview/ui/draw_handles.h"
 #include "tools/footlight/preview/ui/draw_measure.h"
 #include "tools/footlight/preview/ui/escape.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/live_band.h"
 #include "tools/footlight/preview/ui/menu.h"
 #include "tools/footlight/preview/ui/rig_editor.h"
@@ -392,6 +393,8 @@ void Preview::show_exposure() {
   controls_.exposure_ev = desk_->state().exposure.ev;
   controls_.auto_exposure = desk_->state().exposure.automatic;
 }
+
+void Preview::tell(const Error& error) { tell(tr_known(error.message), true); }
 
 // wrong: an error, which is shown longer and in red.
 void Preview::tell(std::string news, bool wrong) {

@@ -6,6 +6,7 @@
 
 #include "tools/footlight/preview/preview_window.h"
 #include "tools/footlight/preview/rig_pattern.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
@@ -43,7 +44,7 @@ void Preview::follow_inputs() {
   InputsView& view = inputs_view_;
   if (const auto text = std::exchange(view.add, std::nullopt)) {
     const Status added = add_input(*text);
-    view.refusal = added ? "" : added.error().message;
+    view.refusal = added ? "" : tr_known(added.error().message);
   }
   if (const auto text = std::exchange(view.remove, std::nullopt)) remove_input(*text);
   view.inputs = inputs();

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/words.h"
 
 #include "tools/footlight/preview/preview_window.h"
@@ -15,7 +16,7 @@ void Preview::open_markers() {
   const std::string path = markers_path(options_.files.log);
   Result<Markers> markers = load_markers(path);
   if (!markers) {
-    tell(trf("markers are not saved: {}", markers.error().message), true);
+    tell(trf("markers are not saved: {}", tr_known(markers.error().message)), true);
     fmt::print(stderr, "footlight: markers are not saved: {}\n", markers.error().message);
     return;
   }
@@ -54,7 +55,7 @@ void Preview::keep_markers() {
   if (markers_path_.empty() || now == saved_markers_) return;
   saved_markers_ = now;
   if (const Status saved = save_markers(markers_path_, now); !saved) {
-    tell(trf("the markers are not saved: {}", saved.error().message), true);
+    tell(trf("the markers are not saved: {}", tr_known(saved.error().message)), true);
   }
 }
 

@@ -67,11 +67,11 @@ void Preview::drive_outputs() {
   }
   if (const auto endpoint = std::exchange(outputs_view_.add, std::nullopt)) {
     const Status added = open_outputs({&*endpoint, 1});
-    outputs_view_.refusal = added ? "" : added.error().message;
+    outputs_view_.refusal = added ? "" : tr_known(added.error().message);
   }
   if (const auto move = std::exchange(outputs_view_.move, std::nullopt)) {
     const Status moved = move_output(*move);
-    outputs_view_.refusal = moved ? "" : moved.error().message;
+    outputs_view_.refusal = moved ? "" : tr_known(moved.error().message);
   }
   if (!outputs_) return;
   if (live_) live_->take();

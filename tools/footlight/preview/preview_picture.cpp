@@ -9,6 +9,7 @@
 #include "tools/footlight/paths.h"
 #include "tools/footlight/pictures/knob_curves.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
@@ -137,7 +138,7 @@ Result<bool> Preview::follow_quality() {
     facts_.measures_knobs = true;
   } else if (asks) {
     facts_.quality = {};
-    tell(trf("{}; nodes and pixels are chosen by hand", curves.error().message), true);
+    tell(trf("{}; nodes and pixels are chosen by hand", tr_known(curves.error().message)), true);
   } else if (wants) {
     tell(curves.error());
   }

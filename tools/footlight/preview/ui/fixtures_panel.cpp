@@ -36,15 +36,9 @@ enum Column : int {
   kColumnZ,
   kColumnCount
 };
-constexpr std::array<const char*, kColumnCount> kHeads{tr_mark("Id"),
-                                                       tr_mark("Name"),
-                                                       tr_mark("Type"),
-                                                       tr_mark("Mode"),
-                                                       tr_mark("Address"),
-                                                       tr_mark("Hangs"),
-                                                       "x m",
-                                                       "y m",
-                                                       "z m"};
+constexpr std::array<const char*, kColumnCount> kHeads{tr_mark("Id"),   tr_mark("Name"),    tr_mark("Type"),
+                                                       tr_mark("Mode"), tr_mark("Address"), tr_mark("Hangs"),
+                                                       tr_mark("x m"),  tr_mark("y m"),     tr_mark("z m")};
 
 std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

@@ -19,6 +19,7 @@
 #include "tools/footlight/preview/ui/channel_reading.h"
 #include "tools/footlight/preview/ui/draw_controls.h"
 #include "tools/footlight/preview/ui/draw_wheels.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
@@ -199,7 +200,7 @@ class InspectorPanel final : public Panel {
   }
 
   static void put(UiDesk& desk, Result<fixtures::RigEdit> edit) {
-    if (const Status edited = desk.edit(std::move(edit)); !edited) desk.tell(edited.error().message);
+    if (const Status edited = desk.edit(std::move(edit)); !edited) desk.tell(tr_known(edited.error().message));
   }
 
   void draw_channels(UiDesk& desk, const UiInput& input) {
@@ -405,7 +406,7 @@ class InspectorPanel final : public Panel {
       const double number = std::holds_alternative<float>(value) ? static_cast<double>(std::get<float>(value))
                                                                  : static_cast<double>(std::get<std::int64_t>(value));
       ImGui::TableNextColumn();
-      ui_text(kUiDim, words.name);
+      ui_text(kUiDim, tr(words.name.c_str()));
       ImGui::TableNextColumn();
       ui_text(std::abs(number) >= 1000 ? fmt::format("{:.0f} {}", number, words.unit)
                                        : fmt::format("{:.4g} {}", number, words.unit));

@@ -18,6 +18,7 @@
 #include "fixtures/files/definition_list.h"
 #include "fixtures/files/definition_reader.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/new_place.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
@@ -184,7 +185,7 @@ class LibraryPanel final : public Panel {
     if (type) {
       row_.type = std::make_shared<const fixtures::FixtureType>(std::move(*type));
     } else {
-      error_ = type.error().message;
+      error_ = tr_known(type.error().message);
     }
   }
 
@@ -219,8 +220,7 @@ class LibraryPanel final : public Panel {
   [[nodiscard]] const fixtures::Mode& mode() const { return row_.type->modes[static_cast<std::size_t>(row_.mode)]; }
 
   static std::string text_of(const fixtures::Mode& mode) {
-    return fmt::format("{}: {}, {}", mode.name,
-                       trf_n("{} slot", "{} slots", mode.slot_count, mode.slot_count),
+    return fmt::format("{}: {}, {}", mode.name, trf_n("{} slot", "{} slots", mode.slot_count, mode.slot_count),
                        trf_n("{} channel", "{} channels", mode.channels.size(), mode.channels.size()));
   }
 
@@ -284,14 +284,14 @@ class LibraryPanel final : public Panel {
     if (address_[0] != '\0') {
       const auto place = fixtures::parse_patch(address_.data(), 1);
       if (!place) {
-        error_ = place.error().message;
+        error_ = tr_known(place.error().message);
         return;
       }
       row_.address = *place;
     }
     const auto edit = fixtures::add_fixtures(desk.edited(), row_);
     if (!edit) {
-      error_ = edit.error().message;
+      error_ = tr_known(edit.error().message);
       return;
     }
     const fixtures::PatchedFixture& first = edit->added.front().value;
@@ -306,7 +306,7 @@ class LibraryPanel final : public Panel {
     const Status added = desk.add(row_);
     desk.begin_gesture();
     if (!added) {
-      desk.tell(added.error().message);
+      desk.tell(tr_known(added.error().message));
       return;
     }
     desk.tell(row_.count == 1 ? trf("added {} (Ctrl+Z takes it back)", plan_)

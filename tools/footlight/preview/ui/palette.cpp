@@ -1,7 +1,6 @@
 #include "tools/footlight/preview/ui/palette.h"
 
 #include <algorithm>
-#include <cctype>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,12 +18,6 @@ namespace {
 constexpr const char* kPalettePopup = "actions";
 constexpr float kPaletteWidth = 560;
 constexpr std::size_t kPaletteRows = 14;
-
-std::string small_letters(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
-}
 
 // Whether every word is in the text, in any order.
 bool has_words(const std::string& text, std::string_view words) {

@@ -131,7 +131,7 @@ class ReportPanel final : public Panel {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       if (row.pass) ui_text(kUiAmber, trf("pass {}", row.name));
-      if (!row.pass) ui_text(tr(row.name.c_str()));
+      if (!row.pass) ui_text(row.name);
       ImGui::TableNextColumn();
       if (row.on_gpu) right_text(bytes_text(row.bytes));
       if (!row.on_gpu) ui_text(kUiDim, row.pass ? "-" : tr("none"));

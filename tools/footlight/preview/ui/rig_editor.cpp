@@ -65,7 +65,7 @@ void RigEditor::open(const UiDesk& desk, Field field, std::vector<int> which) {
   std::memcpy(text_.data(), text.data(), std::min(text.size(), text_.size() - 1));
 }
 
-void RigEditor::tell(const Status& edited) { error_ = edited ? "" : edited.error().message; }
+void RigEditor::tell(const Status& edited) { error_ = edited ? "" : tr_known(edited.error().message); }
 
 void RigEditor::apply(UiDesk& desk) {
   desk.begin_gesture();
@@ -75,7 +75,7 @@ void RigEditor::apply(UiDesk& desk) {
     case Field::kAddress: {
       const auto place = fixtures::parse_patch(text, first_of(desk, which_).universe);
       if (!place) {
-        error_ = place.error().message;
+        error_ = tr_known(place.error().message);
         break;
       }
       fixtures::PatchStart start;
@@ -185,7 +185,7 @@ void RigEditor::draw_menu(UiDesk& desk, const std::vector<int>& which) {
   if (ImGui::MenuItem(tr_label("Delete"), tr("Del"))) edit = fixtures::delete_fixtures(desk.edited(), which);
   if (!edit) return;
   desk.begin_gesture();
-  if (const Status edited = desk.edit(std::move(*edit)); !edited) desk.tell(edited.error().message);
+  if (const Status edited = desk.edit(std::move(*edit)); !edited) desk.tell(tr_known(edited.error().message));
   desk.begin_gesture();
 }
 
@@ -194,7 +194,7 @@ std::string delete_selected(UiDesk& desk) {
   auto edit = fixtures::delete_fixtures(desk.edited(), desk.selected());
   std::string text = edit ? edit->text : "";
   const Status edited = desk.edit(std::move(edit));
-  return edited ? trf("{} (Ctrl+Z brings it back)", tr_known(text)) : edited.error().message;
+  return edited ? trf("{} (Ctrl+Z brings it back)", tr_known(text)) : tr_known(edited.error().message);
 }
 
 }  // namespace footlight::tools

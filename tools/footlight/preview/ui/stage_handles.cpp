@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/counted.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
@@ -200,12 +201,12 @@ void StageHandles::end(UiDesk& desk, const HandleInput& input) {
   if (moves_fixtures(part)) {
     if (moved_m_ == glm::dvec3(0)) return;
     const Status moved = desk.edit(fixtures::move_fixtures(desk.edited(), desk.selected(), moved_m_));
-    if (!moved) desk.tell(moved.error().message);
+    if (!moved) desk.tell(tr_known(moved.error().message));
     return;
   }
   if (turns_fixtures_) {
     const Status turned = desk.edit(turn_to_point(*aim_, desk.edited(), desk.selected(), target_m_, input.levels));
-    if (!turned) desk.tell(turned.error().message);
+    if (!turned) desk.tell(tr_known(turned.error().message));
   } else if (left_ > 0) {
     desk.tell(trf_n("{} fixture without pan, tilt or address: not aimed",
                     "{} fixtures without pan, tilt or address: not aimed", left_, left_));
@@ -274,7 +275,7 @@ std::string nudge_selected(UiDesk& desk, int axis, double by_m) {
   glm::dvec3 by(0);
   by[axis] = by_m;
   const Status moved = desk.edit(fixtures::move_fixtures(desk.edited(), desk.selected(), by));
-  return moved ? "" : moved.error().message;
+  return moved ? "" : tr_known(moved.error().message);
 }
 
 }  // namespace footlight::tools

@@ -10,6 +10,7 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/draw_thumbnails.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/pick_colour.h"
 #include "tools/footlight/preview/ui/transport.h"
@@ -136,7 +137,7 @@ class TimelinePanel final : public Panel {
     const bool entered = ImGui::InputText(tr_label("name"), text_.data(), text_.size(), kFlags);
     if (entered) {
       const Status named = desk.rename_marker(asked_, text_.data());
-      trouble_ = named ? "" : named.error().message;
+      trouble_ = named ? "" : tr_known(named.error().message);
       if (named) ImGui::CloseCurrentPopup();
     }
     if (!trouble_.empty()) ui_text(kUiRed, trouble_);

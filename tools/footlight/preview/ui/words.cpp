@@ -74,6 +74,19 @@ std::string conversions_of(std::string_view format) {
   return found;
 }
 
+// Of the letters of ui_glyph_ranges().
+std::uint32_t small_letter(std::uint32_t code) {
+  const auto in = [&](std::uint32_t from, std::uint32_t to) { return code >= from && code <= to; };
+  if (in('A', 'Z') || (in(0xc0, 0xde) && code != 0xd7) || in(0x391, 0x3a9) || in(0x410, 0x42f)) return code + 0x20;
+  if (in(0x400, 0x40f)) return code + 0x50;
+  if (in(0x139, 0x148) || in(0x179, 0x17e)) return code + code % 2;  // pairs that begin with odd ones
+  if ((in(0x100, 0x137) && code != 0x130) || in(0x14a, 0x177) || in(0x460, 0x481) || in(0x48a, 0x4bf) ||
+      in(0x4d0, 0x52f)) {
+    return code | 1u;
+  }
+  return code == 0x178 ? 0xff : code;
+}
+
 // "de_AT" of "de_AT.UTF-8@euro".
 std::string without_charset(std::string_view locale) {
   return std::string(locale.substr(0, locale.find_first_of(".@")));
@@ -118,6 +131,24 @@ const char* tr_printf(const char* english) {
     format = conversions_of(translated) == conversions_of(english) ? translated : english;
   }
   return format;
+}
+
+std::string small_letters(std::string_view text) {
+  std::string small;
+  small.reserve(text.size());
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const auto first = static_cast<unsigned char>(text[at]);
+    const auto second = at + 1 < text.size() ? static_cast<unsigned char>(text[at + 1]) : 0u;
+    if ((first & 0xe0u) != 0xc0u || (second & 0xc0u) != 0x80u) {  // ASCII, and what has no such letters
+      small += first < 0x80 ? static_cast<char>(small_letter(first)) : text[at];
+      continue;
+    }
+    const std::uint32_t code = small_letter((first & 0x1fu) << 6u | (second & 0x3fu));
+    small += static_cast<char>(0xc0u | code >> 6u);
+    small += static_cast<char>(0x80u | (code & 0x3fu));
+    ++at;
+  }
+  return small;
 }
 
 std::vector<std::string> languages_in(const std::string& folder) {

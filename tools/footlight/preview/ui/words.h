@@ -85,13 +85,16 @@ template <std::integral Count, class... Args>
 // A format of printf(), as sliders have. English where the translation has other conversions.
 [[nodiscard]] const char* tr_printf(const char* english);
 
+// UTF-8 with small letters instead of capitals: Latin, Greek and Cyrillic. For searches.
+[[nodiscard]] std::string small_letters(std::string_view text);
+
 // Languages with a catalog in this folder, sorted: "de".
 [[nodiscard]] std::vector<std::string> languages_in(const std::string& folder);
 // The one that variables of the environment ask for, as gettext reads them: LC_ALL, LC_MESSAGES or LANG, and LANGUAGE.
 // Empty: English. variable: as getenv().
 [[nodiscard]] std::string language_of(const std::function<const char*(const char*)>& variable,
                                       const std::vector<std::string>& languages);
-// Of one of languages_in(). It is in LANGUAGE of the environment then. No locale is set: numbers in files do not change.
+// Of one of languages_in(). Sets LANGUAGE of the environment and no locale, so numbers in files do not change.
 [[nodiscard]] Result<std::unique_ptr<Words>> open_words(const std::string& language, const std::string& folder);
 
 // The catalogs of this program: share/locale beside the folder of the program.
