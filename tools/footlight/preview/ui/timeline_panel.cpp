@@ -100,8 +100,9 @@ class TimelinePanel final : public Panel {
       ImGui::PushID(static_cast<int>(i));
       if (ImGui::InvisibleButton("marker", {std::max(to - from, 1.0f), height})) transport.seek_ns = markers[i].at_ns;
       if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("%s at %s; the right button names or deletes it", markers[i].name.c_str(),
-                          time_text(markers[i].at_ns).c_str());
+        ImGui::SetTooltip(
+            "%s", trf("{} at {}; the right button names or deletes it", markers[i].name, time_text(markers[i].at_ns))
+                      .c_str());
         if (ImGui::IsMouseReleased(ImGuiMouseButton_Right)) ask_about(markers[i], i);
       }
       ImGui::PopID();
