@@ -95,8 +95,8 @@ bool has_words(std::string text) {
 }
 
 bool translates(std::string_view call) {
-  static const std::set<std::string, std::less<>> kAll{"tr",      "trf",        "tr_n",     "trf_n",
-                                                       "tr_mark", "trf_marked", "tr_label", "tr_printf"};
+  static const std::set<std::string, std::less<>> kAll{"tr",         "trf",      "tr_n",      "trf_n", "tr_mark",
+                                                       "trf_marked", "tr_label", "tr_printf", "tr_in"};
   return kAll.contains(call);
 }
 

@@ -3,12 +3,13 @@
 
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace footlight::testing {
 
 struct PoEntry {
-  std::string one;
+  std::string one;                      // with its context: "context\4text"
   std::string many;                     // empty: no count
   std::vector<std::string> translated;  // one, or one a plural form
   bool fuzzy = false;
@@ -31,10 +32,13 @@ inline std::vector<PoEntry> read_po(const std::string& path) {
   std::ifstream file(path);
   std::string* into = nullptr;
   bool fuzzy = false;
+  std::string context;
   for (std::string line; std::getline(file, line);) {
     if (line.starts_with("#,")) fuzzy = line.find("fuzzy") != std::string::npos;
+    if (line.starts_with("msgctxt ")) context = po_text(line) + '\4';
     if (line.starts_with("msgid ")) {
       all.emplace_back().fuzzy = fuzzy;
+      all.back().one = std::exchange(context, {});
       fuzzy = false;
       into = &all.back().one;
     } else if (line.starts_with("msgid_plural ")) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "tools/footlight/preview/ui/words.h"
@@ -22,7 +23,8 @@ class BracketWords final : public tools::Words {
   const char* word(const char* english) override {
     asked_.insert(english);
     std::string& text = texts_[english];
-    if (text.empty()) text = kOpens + std::string(english) + kCloses;
+    const std::string_view all = english;
+    if (text.empty()) text = kOpens + std::string(all.substr(all.find('\4') + 1)) + kCloses;
     return text.c_str();
   }
   const char* word_of_count(const char* one, const char* many, unsigned long count) override {

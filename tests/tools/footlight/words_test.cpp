@@ -87,6 +87,15 @@ TEST_CASE("without a language a text is its argument") {
   CHECK(std::string(tr_n("{} slot", "{} slots", 1)) == "{} slot");
   CHECK(trf_n("{} slot", "{} slots", 2, 2) == "2 slots");
   CHECK(tr_known("patch 3 fixtures from 2.1") == "patch 3 fixtures from 2.1");
+  CHECK(std::string(tr_in("DMX", "frames")) == "frames");
+}
+
+TEST_CASE("a context tells words apart that are one in English") {
+  const Spoken words(std::make_unique<TableWords>(
+      std::map<std::string, std::string>{{"frames", "Bilder"}, {"DMX\4frames", "Frames"}}));
+  CHECK(std::string(tr("frames")) == "Bilder");
+  CHECK(std::string(tr_in("DMX", "frames")) == "Frames");
+  CHECK(std::string(tr_in("film", "frames")) == "frames");
 }
 
 TEST_CASE("the id of a label is the same in every language") {

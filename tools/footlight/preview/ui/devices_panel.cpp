@@ -94,7 +94,7 @@ class DevicesPanel final : public Panel {
     ui_text(kUiAmber, tr("Outputs to real lamps"));
     if (input.outputs == nullptr) return;
     draw_all_outputs(input);
-    if (const auto asked = draw_field("output", "enttec-pro=1", output_text_, tr("add an output")))
+    if (const auto asked = draw_field("output", "enttec-pro=1", output_text_, tr_label("add an output")))
       input.outputs->add = asked;
     if (!input.outputs->refusal.empty()) wrapped(kUiRed, input.outputs->refusal);
     ImGui::Dummy({0, 4 * input.scale});
@@ -124,7 +124,7 @@ class DevicesPanel final : public Panel {
     ImGui::TableSetupColumn(tr("endpoint"), ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableSetupColumn(tr("state"), ImGuiTableColumnFlags_WidthFixed, unit * 5);
     ImGui::TableSetupColumn(tr("universes"), ImGuiTableColumnFlags_WidthFixed, unit * 6);
-    ImGui::TableSetupColumn(tr("frames"), ImGuiTableColumnFlags_WidthFixed, unit * 5);
+    ImGui::TableSetupColumn(tr_in("DMX", "frames"), ImGuiTableColumnFlags_WidthFixed, unit * 5);
     ImGui::TableSetupColumn(tr("rate"), ImGuiTableColumnFlags_WidthFixed, unit * 4.5f);
     if (line.breaks) ImGui::TableSetupColumn(tr("break"), ImGuiTableColumnFlags_WidthFixed, unit * 4);
     if (line.latency) ImGui::TableSetupColumn(tr("latency"), ImGuiTableColumnFlags_WidthFixed, unit * 4.5f);
@@ -209,18 +209,22 @@ class DevicesPanel final : public Panel {
       ImGui::SameLine();
       if (ImGui::SmallButton(tr_label("stop"))) view.stop_learning = true;
     } else if (view.has_controls) {
-      if (const auto asked = draw_field("a control", tr("for 1.17, Mover 3:Tilt"), learn_text_, tr("learn a control")))
+      if (const auto asked =
+              draw_field("a control", tr("for 1.17, Mover 3:Tilt"), learn_text_, tr_label("learn a control")))
         view.learn = asked;
     }
-    if (const auto asked = draw_field("input", "sacn:1-9", input_text_, tr("add an input"))) view.add = asked;
+    if (const auto asked = draw_field("input", "sacn:1-9", input_text_, tr_label("add an input"))) view.add = asked;
     ImGui::SameLine(0, 16 * scale);
     ImGui::BeginDisabled(!view.why_not.empty());
     ui_text(kUiDim, tr("or made up:"));
     for (const std::string_view word : kPatternWords) {
       const std::string endpoint = fmt::format("mock:{}", word);
       if (is_on(view.inputs, endpoint)) continue;
+      const std::string label = trf("add {}", word) + fmt::format("###{}", word);
+      const float width = ImGui::CalcTextSize(label.c_str(), nullptr, true).x + 2 * ImGui::GetStyle().FramePadding.x;
       ImGui::SameLine(0, 8 * scale);
-      if (ImGui::SmallButton(trf("add {}", word).c_str())) view.add = endpoint;
+      if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
+      if (ImGui::SmallButton(label.c_str())) view.add = endpoint;
     }
     ImGui::EndDisabled();
     if (view.has_patterns) {

@@ -1,4 +1,5 @@
 // The list of keys, from the table that handles them.
+#include <algorithm>
 #include <string>
 
 #include <fmt/format.h>
@@ -17,6 +18,13 @@ class KeysPanel final : public Panel {
  public:
   void draw(UiDesk&, const UiInput& input) override {
     keys_width_ = 160 * input.scale;
+    const auto fit = [&](const char* keys) {
+      keys_width_ = std::max(keys_width_, ImGui::CalcTextSize(keys).x + 2 * ImGui::GetFontSize());
+    };
+    for (const KeyRow& row : key_rows()) {
+      if (row.keys != nullptr) fit(tr(row.keys));
+    }
+    for (const MouseRow& row : mouse_rows()) fit(tr(row.hands));
     for (const KeyRow& row : key_rows()) {
       if (row.keys != nullptr) line(tr(row.keys), tr(row.does));
     }

@@ -56,7 +56,10 @@ std::optional<UiCall> Palette::draw_rows(bool entered, bool scrolls, float scale
   const std::size_t shown = std::clamp<std::size_t>(rows_.size(), 1, kPaletteRows);
   const float height = static_cast<float>(shown) * ImGui::GetTextLineHeightWithSpacing();
   if (ImGui::BeginChild("rows", {0, height})) {
-    const float keys_width = 150 * scale;
+    float keys_width = 150 * scale;
+    for (const UiActionItem& row : rows_) {
+      keys_width = std::max(keys_width, ImGui::CalcTextSize(row.keys.c_str()).x + ImGui::GetFontSize());
+    }
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const UiActionItem& row = rows_[i];
       ImGui::PushID(static_cast<int>(i));

@@ -96,6 +96,12 @@ std::string without_charset(std::string_view locale) {
 
 namespace words_detail {
 
+const char* word_in(const char* context, const char* english) {
+  const std::string both = fmt::format("{}\4{}", context, english);  // as catalogs have it
+  const char* const translated = current->word(both.c_str());
+  return translated == both.c_str() ? english : translated;
+}
+
 std::string format(const char* english, const char* translated, fmt::format_args args) {
   if (translated != english) {
     try {

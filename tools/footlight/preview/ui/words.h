@@ -32,7 +32,7 @@ class Words {
   Words(const Words&) = delete;
   Words& operator=(const Words&) = delete;
   virtual ~Words() = default;
-  // The text itself where there is no translation.
+  // The text itself, and the same pointer, where there is no translation. With a context it is "context\4text".
   [[nodiscard]] virtual const char* word(const char* english) = 0;
   [[nodiscard]] virtual const char* word_of_count(const char* one, const char* many, unsigned long count) = 0;
 };
@@ -42,6 +42,7 @@ void use_words(std::unique_ptr<Words> words);
 
 namespace words_detail {
 inline Words* current = nullptr;  // of use_words()
+const char* word_in(const char* context, const char* english);
 // english where the translation has other placeholders.
 std::string format(const char* english, const char* translated, fmt::format_args args);
 }  // namespace words_detail
@@ -51,6 +52,10 @@ std::string format(const char* english, const char* translated, fmt::format_args
 
 [[nodiscard]] inline const char* tr(const char* english) {
   return words_detail::current == nullptr ? english : words_detail::current->word(english);
+}
+// Of an English word that is several words in other languages: `context` says which, to the translator.
+[[nodiscard]] inline const char* tr_in(const char* context, const char* english) {
+  return words_detail::current == nullptr ? english : words_detail::word_in(context, english);
 }
 [[nodiscard]] const char* tr_n(const char* one, const char* many, std::integral auto count) {
   if (words_detail::current == nullptr) return count == 1 ? one : many;
