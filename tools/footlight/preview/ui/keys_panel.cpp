@@ -1,6 +1,7 @@
 // The list of keys, from the table that handles them.
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -17,14 +18,7 @@ namespace {
 class KeysPanel final : public Panel {
  public:
   void draw(UiDesk&, const UiInput& input) override {
-    keys_width_ = 160 * input.scale;
-    const auto fit = [&](const char* keys) {
-      keys_width_ = std::max(keys_width_, ImGui::CalcTextSize(keys).x + 2 * ImGui::GetFontSize());
-    };
-    for (const KeyRow& row : key_rows()) {
-      if (row.keys != nullptr) fit(tr(row.keys));
-    }
-    for (const MouseRow& row : mouse_rows()) fit(tr(row.hands));
+    if (std::exchange(scale_, input.scale) != input.scale) measure();
     for (const KeyRow& row : key_rows()) {
       if (row.keys != nullptr) line(tr(row.keys), tr(row.does));
     }
@@ -37,6 +31,18 @@ class KeysPanel final : public Panel {
   }
 
  private:
+  // The keys of some languages are long.
+  void measure() {
+    keys_width_ = 160 * scale_;
+    const auto fit = [&](const char* keys) {
+      keys_width_ = std::max(keys_width_, ImGui::CalcTextSize(keys).x + 2 * ImGui::GetFontSize());
+    };
+    for (const KeyRow& row : key_rows()) {
+      if (row.keys != nullptr) fit(tr(row.keys));
+    }
+    for (const MouseRow& row : mouse_rows()) fit(tr(row.hands));
+  }
+
   void line(const char* keys, const std::string& does) const {
     ui_text(kUiAmber, keys);
     ImGui::SameLine(keys_width_);
@@ -45,6 +51,7 @@ class KeysPanel final : public Panel {
     ImGui::PopTextWrapPos();
   }
 
+  float scale_ = 0;  // that keys_width_ is for
   float keys_width_ = 160;
 };
 

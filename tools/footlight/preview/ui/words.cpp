@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
+#include <unordered_map>
 
 #include <libintl.h>
 #include <locale.h>
@@ -15,10 +15,16 @@ namespace fs = std::filesystem;
 
 constexpr const char* kDomain = "footlight";
 
+using TextAndId = std::pair<const char*, const char*>;
+struct HashOfBoth {
+  std::size_t operator()(const TextAndId& both) const {
+    return std::hash<const char*>()(both.first) * 31 + std::hash<const char*>()(both.second);
+  }
+};
 struct WordsInUse {
   std::unique_ptr<Words> words;
-  std::map<std::pair<const char*, const char*>, std::string> labels;  // by text and id
-  std::map<const char*, const char*> formats;
+  std::unordered_map<TextAndId, std::string, HashOfBoth> labels;
+  std::unordered_map<const char*, const char*> formats;
 };
 WordsInUse& in_use() {
   static WordsInUse all;
