@@ -201,7 +201,7 @@ TEST_CASE("hardware libraries, and those that compile slowly, are included only 
                 R"(ui_theme)\.).*|)"
                 R"(tests/(tools/footlight/((panels|panel_edits|busy_panel|compare_panel|messages|devices_panel|)"
                 R"(library_panel|)"
-                R"(palette|inspector|shown_ui|side_panel|theme|report_panel|wheels)_test|)"
+                R"(palette|inspector|shown_ui|side_panel|theme|report_panel|wheels|words_panels)_test|)"
                 R"(edit_ui)|bench/ui_bench).*)"},
       {"libav", R"(tools/footlight/pictures/video.*\.cpp|tools/footlight/vrsl/(video_.*\.cpp|av_error\.h)|)"
                 R"(drivers/(sound/sound_file|av/libav)\.cpp|tests/tools/.*\.cpp)"},

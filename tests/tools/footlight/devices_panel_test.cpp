@@ -17,7 +17,7 @@ namespace footlight::tools {
 namespace {
 
 constexpr std::size_t kDevices = 5;
-constexpr const char* kQuestion = "Send to real lamps?";
+constexpr const char* kQuestion = "###Send to real lamps?";
 
 bool has(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
 
@@ -71,7 +71,7 @@ class Ui : public testing::DrawnUi {
   }
   // The panel below its title, which has a button that closes it.
   static ImRect body() {
-    ImRect where = place("Devices");
+    ImRect where = place("###Devices");
     where.Min.y += 24;
     return where;
   }

@@ -105,7 +105,7 @@ TEST_CASE("the panel lists what was said, with its time, and copies it") {
     CHECK(words.find(part) != std::string::npos);
   }
   // The button is at the top left.
-  const ImRect place = ImGui::FindWindowByName("Messages")->Rect();
+  const ImRect place = ImGui::FindWindowByName("###Messages")->Rect();
   ImGuiIO& io = ImGui::GetIO();
   ImGui::SetClipboardText("");
   for (float y = place.Min.y + 24; y < place.Min.y + 60 && *ImGui::GetClipboardText() == 0; y += 5) {

@@ -46,6 +46,8 @@ void add(Arguments& arguments) {
   arguments.list("--library", options->library, "FOLDER", "definitions of fixtures that can be added, too");
   arguments.option("--select", options->select, "NAME", "fixtures that are selected at the start; * for any text");
   arguments.option("--theme", options->theme, "WORD", "dark or light; default: as it was set in the window last");
+  arguments.option("--language", options->language, "WORD",
+                   "language of the window's words, as de; en: English; default: that of LANGUAGE or LANG");
   arguments.option("--ui-scale", options->ui_percent, kUiPercentMin, kUiPercentMax,
                    "size of panels and text in per cent; default: as it was set in the window last");
   arguments.option("--views", options->views, 1, 4,

@@ -28,6 +28,7 @@ struct PreviewOptions {
   std::vector<std::string> library;  // folders that the panel of the library lists, too
   std::string select;                // name of the fixtures that are selected, with * for any text
   std::string theme;                 // "dark" or "light"; empty: as the window's settings have it
+  std::string language;              // "de"; empty: as the environment has it, "en": English
   std::optional<int> ui_percent;     // size of the user interface; default: as the settings have it
   std::optional<int> views;          // of the stage: 1, 2 or 4; default: as the settings have it
   bool handles = false;              // handles of the selected fixtures are shown at the start

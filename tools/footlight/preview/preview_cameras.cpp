@@ -10,6 +10,7 @@
 
 #include "fixtures/edit/rig_cameras.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
@@ -49,13 +50,14 @@ void Preview::edit_cameras(const CameraRequest& request) {
                   : request.what == What::kRename ? fixtures::rename_camera(rig, shown, request.index, request.name)
                                                   : fixtures::delete_camera(rig, shown, request.index));
   if (!edited) return tell(edited.error());
-  if (const UiCommand* done = desk_->history().next_undo()) tell(text_of(*done, desk_->rig()) + "; Ctrl+S saves it");
+  if (const UiCommand* done = desk_->history().next_undo())
+    tell(trf("{}; Ctrl+S saves it", text_of(*done, desk_->rig())));
 }
 
 void Preview::store_new_camera() {
   const Status edited = desk_->edit(fixtures::add_camera(desk_->edited(), desk_->cameras(), view_as_camera()));
   if (!edited) return tell(edited.error());
-  tell(fmt::format("camera {} is {}; Ctrl+S saves it", desk_->cameras().size(), desk_->cameras().back().name));
+  tell(trf("camera {} is {}; Ctrl+S saves it", desk_->cameras().size(), desk_->cameras().back().name));
 }
 
 void Preview::view_from_side(ViewSide side) {

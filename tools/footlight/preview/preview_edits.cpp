@@ -12,6 +12,8 @@
 #include "sim/core/no_signals.h"
 #include "tools/footlight/paths.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
 #include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
@@ -116,7 +118,7 @@ void Preview::open_inputs_again(const PreviewScene& before) {
   frame_->settle_machine_air(hand_->levels());
   if (outputs_) outputs_->black_out();  // real lamps must not follow faders that nobody has set
   if (const Status rests = rest_hand(); !rests) tell(rests.error());
-  tell("faders drive the rig, the inputs are closed: " + opened.error().message, true);
+  tell(trf("faders drive the rig, the inputs are closed: {}", tr_known(opened.error().message)), true);
 }
 
 // What drives the fixtures, for framed_ instead of the scene before.
@@ -181,7 +183,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       facts_.edit_to_frame_ms = static_cast<double>(clock_.now_ns() - made_begun_ns_) * 1e-6;
     } else {
       failed_ = std::exchange(making_scene_, nullptr);
-      tell(made.error().message + "; the picture shows the rig from before", true);
+      tell(trf("{}; the picture shows the rig from before", tr_known(made.error().message)), true);
     }
   }
   const SharedScene& scene = edited_->scene();
@@ -195,22 +197,23 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
 
 void Preview::save() {
   RigFile& file = edited_->file();
-  if (!unsaved() && file.known()) return tell(fmt::format("no edits to save in {}", file.target()));
+  if (!unsaved() && file.known()) return tell(trf("no edits to save in {}", file.target()));
   const auto report = file.save();
-  save_error_ = report ? "" : report.error().message;
+  save_error_ = report ? "" : tr_known(report.error().message);
   if (!report) return tell(save_error_, true);
   saved_revision_ = desk_->state().revision;
   autosave_->forget();
-  std::string news = fmt::format("saved {}", std::filesystem::absolute(report->path).string());
-  if (report->shared > 0) news += fmt::format("; {} fixtures share slots", report->shared);
-  if (!report->old.empty()) news += fmt::format("; the file from before is {}", report->old);
+  std::string news = trf("saved {}", std::filesystem::absolute(report->path).string());
+  if (report->shared > 0)
+    news += trf_n("; {} fixture shares slots", "; {} fixtures share slots", report->shared, report->shared);
+  if (!report->old.empty()) news += trf("; the file from before is {}", report->old);
   tell(std::move(news));
 }
 
 // Once a picture: the copy for a crash, and the title.
 void Preview::keep_edits() {
   if (const auto error = autosave_->step(clock_.now_ns(), desk_->state().revision, unsaved())) {
-    tell("no automatic copy of the edits: " + error->message, true);
+    tell(trf("no automatic copy of the edits: {}", error->message), true);
   }
   std::string title = fmt::format("{}{} - Footlight", unsaved() ? "* " : "", framed_->rig.name);
   if (title == title_) return;

@@ -11,6 +11,7 @@
 #include "tools/footlight/pictures/numbered_file.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -148,7 +149,7 @@ void Preview::write_own_shot() {
   };
   const Result<std::string> path = write();
   if (!path) return tell(path.error());
-  tell(fmt::format("saved {}", (std::filesystem::current_path() / *path).string()));
+  tell(trf("saved {}", (std::filesystem::current_path() / *path).string()));
 }
 
 }  // namespace footlight::tools

@@ -10,6 +10,7 @@
 #include "tools/footlight/preview/dropped_file.h"
 #include "tools/footlight/preview/preview_window.h"
 #include "tools/footlight/preview/ui/new_place.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -44,14 +45,14 @@ void Preview::add_definition(const std::string& path) {
   desk_->begin_gesture();
   if (!added) return tell(added.error());
   const fixtures::PatchedFixture& one = desk_->edited().fixtures.back();
-  tell(fmt::format("added {}, {}, at {}; Ctrl+Z takes it back, F7 adds more", one.name,
-                   fixtures::mode_of(desk_->edited(), one).name, fixtures::text_of_patch(one)));
+  tell(trf("added {}, {}, at {}; Ctrl+Z takes it back, F7 adds more", one.name,
+           fixtures::mode_of(desk_->edited(), one).name, fixtures::text_of_patch(one)));
 }
 
 void Preview::ask_to_open(Next next) {
   std::error_code trouble;
   const std::string& path = next.rig.empty() ? next.log : next.rig;
-  if (!std::filesystem::exists(path, trouble)) return tell(fmt::format("{}: there is no such file", path), true);
+  if (!std::filesystem::exists(path, trouble)) return tell(trf("{}: there is no such file", path), true);
   asked_next_ = std::move(next);
 }
 
@@ -59,11 +60,11 @@ void Preview::ask_to_open(Next next) {
 void Preview::draw_open_question() {
   if (!asked_next_ || asks_close_) return;
   const bool rig = !asked_next_->rig.empty();
-  std::string then = rig ? "The window opens again with this rig, driven as before; a log is closed."
-                         : "The window opens again with this rig and the log; inputs are closed.";
-  if (outputs_ && outputs_view_.any_on()) then += " Armed outputs go dark.";
+  std::string then = rig ? tr("The window opens again with this rig, driven as before; a log is closed.")
+                         : tr("The window opens again with this rig and the log; inputs are closed.");
+  if (outputs_ && outputs_view_.any_on()) then += tr(" Armed outputs go dark.");
   const auto answer =
-      open_question_.draw(fmt::format("Open {}?", name_of(rig ? asked_next_->rig : asked_next_->log)), then, !rig);
+      open_question_.draw(trf("Open {}?", name_of(rig ? asked_next_->rig : asked_next_->log)), then, !rig);
   if (!answer) return;
   if (*answer == OpenAnswer::kOpen) {
     next_ = std::move(asked_next_);

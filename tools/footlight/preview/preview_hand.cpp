@@ -8,6 +8,8 @@
 #include "sim/core/counted.h"
 #include "tools/footlight/hand/learn.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
@@ -57,7 +59,7 @@ void Preview::follow_hand() {
   if (std::exchange(view.release_hand, false)) layer_->command(HandAction::kReleaseAll);
   if (std::exchange(view.end_hand_blackout, false)) layer_->command(HandAction::kLift);
   const std::size_t held = layer_->held().held_count();
-  view.by_hand = held == 0 ? "" : fmt::format("{} by hand", counted(held, "slot"));
+  view.by_hand = held == 0 ? "" : trf_n("{} slot by hand", "{} slots by hand", held, held);
   view.dark_by_hand = layer_->held().dark();
   if (std::exchange(view.tap, false)) tap();
   learn();
@@ -65,14 +67,14 @@ void Preview::follow_hand() {
   view.beats_a_minute = opener_.tempo->beats_a_minute();
   for (std::string& notice : layer_->notices()) {
     if (!options_.json) fmt::print(stderr, "footlight: {}\n", notice);
-    tell(std::move(notice));
+    tell(tr_known(notice));
   }
 }
 
 // A key or a button.
 void Preview::tap() {
   opener_.tempo->tap(clock_.now_ns());
-  if (patterns_.empty()) tell("the tempo is that of made-up inputs, and there is none: F6 adds one");
+  if (patterns_.empty()) tell(tr("the tempo is that of made-up inputs, and there is none: F6 adds one"));
 }
 
 // The next control that moves is added to its map for what the user named.
@@ -87,7 +89,7 @@ void Preview::learn() {
   }
   if (const auto moved = learner.moved()) {
     const Status added = add_learnt(*moved);
-    view.refusal = added ? "" : added.error().message;
+    view.refusal = added ? "" : tr_known(added.error().message);
   }
   view.learns = learner.waits();
 }
@@ -112,8 +114,8 @@ Status Preview::add_learnt(const HandLearner::Moved& moved) {
   FL_TRY(learnt);
   // A port without a map drives slots in their order; with one, what the map names.
   const bool first = !endpoint.target.ends_with(".toml") && endpoint.scheme == "midi";
-  tell(fmt::format("{}: '{}' controls {}{}", plan.map, moved.input, learns_for_,
-                   first ? "; other controls of this port need to be learnt, too" : ""));
+  tell(trf("{}: '{}' controls {}", plan.map, moved.input, learns_for_) +
+       (first ? tr("; other controls of this port need to be learnt, too") : ""));
   return {};
 }
 

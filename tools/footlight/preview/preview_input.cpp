@@ -13,11 +13,13 @@
 #include "tools/footlight/preview/ui/draw_measure.h"
 #include "tools/footlight/preview/ui/draw_busy.h"
 #include "tools/footlight/preview/ui/escape.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/live_band.h"
 #include "tools/footlight/preview/ui/menu.h"
 #include "tools/footlight/preview/ui/rig_editor.h"
 #include "tools/footlight/preview/ui/stage_marks.h"
 #include "tools/footlight/preview/ui/toasts.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -114,9 +116,8 @@ void Preview::draw_ui(DurationNs dt_ns) {
   show_exposure();
   draw_questions();
   if (std::string news = desk_->take_news(); !news.empty()) tell(std::move(news));
-  if (desk_->take_forgot()) tell("undo needed more than a gibibyte: its oldest steps are forgotten");
-  draw_toasts(messages_, begun_ns, {static_cast<float>(size.x), static_cast<float>(size.y)},
-              window_->ui_scale());
+  if (desk_->take_forgot()) tell(tr("undo needed more than a gibibyte: its oldest steps are forgotten"));
+  draw_toasts(messages_, begun_ns, {static_cast<float>(size.x), static_cast<float>(size.y)}, window_->ui_scale());
   const auto width = static_cast<float>(size.x);
   const float below = outputs_ ? draw_live_band(outputs_view_, width, window_->ui_scale()) : 0;
   draw_made_up_tag(inputs_view_, width, below);
@@ -251,9 +252,9 @@ void Preview::take_input(bool typing, DurationNs dt_ns) {
 // back: undo, else redo.
 void Preview::step_history(bool back) {
   const int view = desk_->state().view;
-  const char* const word = back ? "undo" : "redo";
   const std::string edit = back ? desk_->undo() : desk_->redo();
-  tell(edit.empty() ? fmt::format("nothing to {}", word) : fmt::format("{}: {}", word, edit));
+  tell(edit.empty() ? std::string(back ? tr("nothing to undo") : tr("nothing to redo"))
+                    : fmt::format("{}: {}", back ? tr("undo") : tr("redo"), edit));
   if (desk_->state().view != view) pressed_on_stage_.fill(false);  // a drag of the camera does not change its view
 }
 
@@ -300,7 +301,7 @@ void Preview::call(const UiCall& call) {
     case UiAction::kWorkLight: controls_.work_light = !controls_.work_light; break;
     case UiAction::kFlashes:
       desk_->set_flashes(next_of(desk_->flashes()));
-      tell(fmt::format("harmful flashes: {}", words_of(desk_->flashes())));
+      tell(trf("harmful flashes: {}", tr(words_of(desk_->flashes()))));
       break;
     case UiAction::kBrighter: expose(-kExposureStepEv); break;  // a lower EV makes a brighter picture
     case UiAction::kDarker: expose(kExposureStepEv); break;
@@ -326,7 +327,7 @@ void Preview::call(const UiCall& call) {
     case UiAction::kUiSmaller:
     case UiAction::kUiLarger:
       settings_.ui_percent = next_ui_percent(settings_.ui_percent, call.action == UiAction::kUiLarger ? 1 : -1);
-      tell(fmt::format("panels and text: {} %", settings_.ui_percent));
+      tell(trf("panels and text: {} %", settings_.ui_percent));
       break;
     case UiAction::kOpenRecent:
       if (const auto index = static_cast<std::size_t>(call.argument); index < desk_->recent_rigs().size()) {
@@ -362,7 +363,7 @@ void Preview::escape() {
 
 void Preview::show_handles(bool on) {
   desk_->set_handles(on);
-  if (on && desk_->selected().empty()) tell("handles: select a fixture to see them");
+  if (on && desk_->selected().empty()) tell(tr("handles: select a fixture to see them"));
 }
 
 // Lines on the floor, and what is measured.
@@ -394,6 +395,8 @@ void Preview::show_exposure() {
   controls_.exposure_ev = desk_->state().exposure.ev;
   controls_.auto_exposure = desk_->state().exposure.automatic;
 }
+
+void Preview::tell(const Error& error) { tell(tr_known(error.message), true); }
 
 // wrong: an error, which is shown longer and in red.
 void Preview::tell(std::string news, bool wrong) {

@@ -6,6 +6,8 @@
 
 #include "tools/footlight/preview/preview_window.h"
 #include "tools/footlight/preview/rig_pattern.h"
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
@@ -42,7 +44,7 @@ void Preview::follow_inputs() {
   InputsView& view = inputs_view_;
   if (const auto text = std::exchange(view.add, std::nullopt)) {
     const Status added = add_input(*text);
-    view.refusal = added ? "" : added.error().message;
+    view.refusal = added ? "" : tr_known(added.error().message);
   }
   if (const auto text = std::exchange(view.remove, std::nullopt)) remove_input(*text);
   view.inputs = inputs();
@@ -63,9 +65,9 @@ std::vector<std::string> Preview::inputs() const {
 // Empty: an input of levels can be added now.
 std::string Preview::why_no_input() const {
   if (player_) {
-    return "A log drives the rig; start the window without it to add inputs of levels. Controls can be added.";
+    return tr("A log drives the rig; start the window without it to add inputs of levels. Controls can be added.");
   }
-  if (outputs_view_.any_on()) return "Disarm the outputs to add inputs: real lamps would follow them.";
+  if (outputs_view_.any_on()) return tr("Disarm the outputs to add inputs: real lamps would follow them.");
   return "";
 }
 
@@ -81,7 +83,7 @@ Status Preview::add_input(const std::string& text) {
   if (control) {
     layer_->add_control(std::move(source));
     controls_in_.push_back(text);
-    tell(text + " sets levels by hand");
+    tell(trf("{} sets levels by hand", text));
     return {};
   }
   if (live_) {
@@ -99,7 +101,7 @@ Status Preview::add_input(const std::string& text) {
   }
   ins_.push_back(text);
   const bool made_up = is_made_up(*parse_port(text));
-  tell(fmt::format("{} {}", text, made_up ? "is made up: no console sends it" : "drives the rig"));
+  tell(made_up ? trf("{} is made up: no console sends it", text) : trf("{} drives the rig", text));
   return {};
 }
 
@@ -117,7 +119,7 @@ void Preview::remove_input(const std::string& text) {
   frame_->settle_machine_air(hand_->levels());
   if (outputs_ && outputs_view_.any_on()) outputs_->black_out();  // real lamps must not follow faders at once
   if (const Status rests = rest_hand(); !rests) tell(rests.error());
-  tell("faders drive the rig again");
+  tell(tr("faders drive the rig again"));
 }
 
 void Preview::close_inputs() {

@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
+
 #include "tools/footlight/preview/preview_window.h"
 
 namespace footlight::tools {
@@ -13,7 +16,7 @@ void Preview::open_markers() {
   const std::string path = markers_path(options_.files.log);
   Result<Markers> markers = load_markers(path);
   if (!markers) {
-    tell(fmt::format("markers are not saved: {}", markers.error().message), true);
+    tell(trf("markers are not saved: {}", tr_known(markers.error().message)), true);
     fmt::print(stderr, "footlight: markers are not saved: {}\n", markers.error().message);
     return;
   }
@@ -27,7 +30,8 @@ void Preview::mark_time() {
   const TimeNs at_ns = controls_.transport.seek_ns.value_or(controls_.transport.now_ns);
   const Status added = desk_->add_marker(at_ns);
   if (!added) return tell(added.error());
-  tell(fmt::format("a marker at {}{}", time_text(at_ns), markers_path_.empty() ? "; it is not saved" : ""));
+  tell(markers_path_.empty() ? trf("a marker at {}; it is not saved", time_text(at_ns))
+                             : trf("a marker at {}", time_text(at_ns)));
 }
 
 // From where the next marker is searched: where the last seek goes to, or the time that plays. While it plays, back
@@ -40,9 +44,9 @@ TimeNs Preview::marker_start_ns(bool back) const {
 
 void Preview::go_to_marker(const Marker* marker) {
   if (!player_) return;
-  if (marker == nullptr) return tell("there is no marker in this direction; M sets one");
+  if (marker == nullptr) return tell(tr("there is no marker in this direction; M sets one"));
   controls_.transport.seek_ns = marker->at_ns;
-  tell(fmt::format("{} at {}", marker->name, time_text(marker->at_ns)));
+  tell(trf("{} at {}", marker->name, time_text(marker->at_ns)));
 }
 
 // Once a picture: writes the file after a change. A failure is told once for each change.
@@ -51,7 +55,7 @@ void Preview::keep_markers() {
   if (markers_path_.empty() || now == saved_markers_) return;
   saved_markers_ = now;
   if (const Status saved = save_markers(markers_path_, now); !saved) {
-    tell("the markers are not saved: " + saved.error().message, true);
+    tell(trf("the markers are not saved: {}", tr_known(saved.error().message)), true);
   }
 }
 

@@ -17,6 +17,7 @@
 #include "tools/footlight/pictures/start_view.h"
 #include "tools/footlight/preview/display_loss.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -167,18 +168,18 @@ Result<bool> Preview::open(const StopSignal& signal) {
   show_look();
   FL_TRY(open_window_device());
   mark_start("window_device");
-  FL_TRY(show_progress(quick ? "Preparing the picture" : "Reading the rig"));
+  FL_TRY(show_progress(quick ? tr("Preparing the picture") : tr("Reading the rig")));
   FL_TRY(open_device());
   mark_start("stage_device");
   if (!quick) {
-    FL_ASSIGN(const bool goes_on, wait_for(reading, signal, "Reading the rig"));
+    FL_ASSIGN(const bool goes_on, wait_for(reading, signal, tr("Reading the rig")));
     if (!goes_on) return false;
     FL_TRY(take_rig());
   }
   mark_start("rig");
   title_ = fmt::format("{} - Footlight", framed_->rig.name);
   window_->set_title(title_);
-  FL_TRY(show_progress("Preparing the picture"));
+  FL_TRY(show_progress(tr("Preparing the picture")));
   FL_TRY(set_controls(camera));
   const PixelRect where = place_of(0);
   std::future<Status> making = begin([this, where]() -> Status {
@@ -186,7 +187,7 @@ Result<bool> Preview::open(const StopSignal& signal) {
     FL_TRY(rebuild(where));
     return player_ ? player_->show(options_.at_ns, driven()) : Status{};
   });
-  FL_ASSIGN(const bool goes_on, wait_for(making, signal, "Preparing the picture"));
+  FL_ASSIGN(const bool goes_on, wait_for(making, signal, tr("Preparing the picture")));
   mark_start("frame");
   return goes_on;
 }

@@ -10,6 +10,8 @@
 
 #include "sim/core/counted.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -65,11 +67,11 @@ void Preview::drive_outputs() {
   }
   if (const auto endpoint = std::exchange(outputs_view_.add, std::nullopt)) {
     const Status added = open_outputs({&*endpoint, 1});
-    outputs_view_.refusal = added ? "" : added.error().message;
+    outputs_view_.refusal = added ? "" : tr_known(added.error().message);
   }
   if (const auto move = std::exchange(outputs_view_.move, std::nullopt)) {
     const Status moved = move_output(*move);
-    outputs_view_.refusal = moved ? "" : moved.error().message;
+    outputs_view_.refusal = moved ? "" : tr_known(moved.error().message);
   }
   if (!outputs_) return;
   if (live_) live_->take();
@@ -77,13 +79,15 @@ void Preview::drive_outputs() {
   outputs_->give(desk_->compiled().universes, levels, sendable);
   outputs_->follow(outputs_view_);
   if (picture_ns_ >= 0 && !std::exchange(outputs_told_, true)) {
-    tell(fmt::format("{}, not armed: F6", counted(outputs_view_.rows.size(), "output")));
+    tell(trf_n("{} output, not armed: F6", "{} outputs, not armed: F6", outputs_view_.rows.size(),
+               outputs_view_.rows.size()));
   }
   for (std::string& notice : outputs_->notices()) {
     // Without exceptions, since standard error may be gone: outputs go on.
     std::fputs(("footlight: " + notice + "\n").c_str(), stderr);
-    tell(notice, notice.starts_with("not armed"));
-    outputs_view_.notice = std::move(notice);
+    std::string words = tr_known(notice);
+    tell(words, notice.starts_with("not armed"));
+    outputs_view_.notice = std::move(words);
   }
 }
 
@@ -92,7 +96,7 @@ bool Preview::call_outputs(const UiCall& call) {
   const bool is_blackout = call.action == UiAction::kBlackout;
   if (!is_blackout && call.action != UiAction::kEndBlackout && call.action != UiAction::kDisarm) return false;
   if (!outputs_) {
-    tell("there is no output to real lamps; F6 or --output ENDPOINT adds one");
+    tell(tr("there is no output to real lamps; F6 or --output ENDPOINT adds one"));
   } else if (is_blackout) {
     outputs_->black_out();
   } else if (call.action == UiAction::kEndBlackout) {

@@ -9,11 +9,14 @@
 #include "tools/footlight/paths.h"
 #include "tools/footlight/pictures/knob_curves.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
 // The window may hang for longer than outputs wait.
-const char* const kArmedUnmeasured = "this machine is not measured yet, and outputs are armed: disarm them first";
+const char* const kArmedUnmeasured =
+    tr_mark("this machine is not measured yet, and outputs are armed: disarm them first");
 
 void Preview::take_picture_requests() {
   if (const auto haze = std::exchange(controls_.haze_per_m, std::nullopt)) {
@@ -81,11 +84,11 @@ bool Preview::is_compiled(const PixelRect& where) {
 // What the user waits for.
 Busy Preview::busy() const {
   if (player_ && player_->seeking()) return busy_with(*player_->seeking());
-  if (reading_curves_.valid()) return {BusyWith::kKnobs, "measuring this machine", curves_share_.load(), true};
+  if (reading_curves_.valid()) return {BusyWith::kKnobs, tr("measuring this machine"), curves_share_.load(), true};
   if (making_.valid()) {
-    return {BusyWith::kEdit, "preparing the picture of the edited rig; Ctrl+Z undoes the edit", std::nullopt, false};
+    return {BusyWith::kEdit, tr("preparing the picture of the edited rig; Ctrl+Z undoes the edit"), std::nullopt, false};
   }
-  if (compiling_) return {BusyWith::kShaders, "compiling shaders; the picture goes on as it was", std::nullopt, false};
+  if (compiling_) return {BusyWith::kShaders, tr("compiling shaders; the picture goes on as it was"), std::nullopt, false};
   return {};
 }
 
@@ -132,7 +135,7 @@ void Preview::ask_for_quality(const render::QualityRequest& request) {
   if (asks && !curves_) {
     curves_ = read_knob_curves(knob_curves_path(cache_folder(), device_->facts()), device_->facts(), curves_program());
   }
-  if (asks && !curves_ && outputs_ && outputs_view_.any_on()) return tell(kArmedUnmeasured, true);
+  if (asks && !curves_ && outputs_ && outputs_view_.any_on()) return tell(tr(kArmedUnmeasured), true);
   facts_.quality = request;
   facts_.chosen.reset();
   keeper_.reset();
@@ -173,7 +176,7 @@ Result<bool> Preview::follow_quality() {
     facts_.measures_knobs = true;
   } else if (asks) {
     facts_.quality = {};
-    tell(curves.error().message + "; nodes and pixels are chosen by hand", true);
+    tell(trf("{}; nodes and pixels are chosen by hand", tr_known(curves.error().message)), true);
   } else if (wants) {
     tell(curves.error());
   }

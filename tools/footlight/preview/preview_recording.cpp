@@ -7,6 +7,8 @@
 
 #include "sim/core/no_signals.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
@@ -18,7 +20,7 @@ Status Preview::start_recording(const std::string& path) {
   const std::int64_t unix_ns = wall_clock_unix_ns();
   const std::string file = path.empty() ? recording_path(options_.recordings, options_.files.rig, unix_ns) : path;
   FL_ASSIGN(recording_, Recording::start(file, framed_->compiled.universes, clock_, unix_ns));
-  tell(fmt::format("recording to {}; Ctrl+R ends it", file));
+  tell(trf("recording to {}; Ctrl+R ends it", file));
   return {};
 }
 
@@ -41,7 +43,7 @@ void Preview::report_recording(bool waits) {
   const auto done = ended_.get();
   const std::string& news = done ? *done : done.error().message;
   if (!options_.json) std::fputs(("footlight: " + news + "\n").c_str(), stderr);
-  tell(news, !done);
+  tell(tr_known(news), !done);
 }
 
 // After the steps of a turn.

@@ -8,6 +8,8 @@
 
 #include "tools/footlight/paths.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
@@ -56,7 +58,7 @@ void Preview::follow_settings() {
   if (settings_path_.empty() || kept == saved_settings_) return;
   saved_settings_ = std::move(kept);
   if (const Status saved = save_window_settings(settings_path_, saved_settings_); !saved) {
-    tell("the window's settings are not saved: " + saved.error().message, true);
+    tell(trf("the window's settings are not saved: {}", tr_known(saved.error().message)), true);
   }
 }
 

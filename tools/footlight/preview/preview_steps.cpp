@@ -5,6 +5,7 @@
 
 #include "fixtures/displays/pixel_slots.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
@@ -45,7 +46,7 @@ LogPlayer::Driven Preview::driven() {
 Status Preview::work_at_index() {
   if (picture_ns_ < 0) return {};  // the first picture comes first
   FL_TRY(player_->work_at_index(controls_.transport.playing ? kIndexNs : kIndexPausedNs, driven()));
-  if (std::string news = player_->take_news(); !news.empty()) tell(std::move(news), true);
+  if (std::string news = player_->take_news(); !news.empty()) tell(tr_known(news), true);
   if (player_->index() == nullptr || !panels_.any_open()) return {};
   if (!curve_) {
     curve_.emplace(framed_->rig, RigIndex(framed_->rig, framed_->compiled));
@@ -125,11 +126,11 @@ void Preview::show_videos() {
   if (!shown) {
     const std::string line = shown.error().message + "; its displays keep their last picture";
     if (!options_.json) fmt::print(stderr, "footlight: {}\n", printable_utf8(line));
-    tell(line, true);
+    tell(tr_known(line), true);
   }
   for (const std::string& line : news) {
     if (!options_.json) fmt::print(stderr, "footlight: {}\n", printable_utf8(line));
-    tell(line);
+    tell(tr_known(line));
   }
 }
 

@@ -19,6 +19,8 @@
 #include "tools/footlight/pictures/frame_options.h"
 #include "tools/footlight/pictures/scene_files.h"
 #include "tools/footlight/preview/display_loss.h"
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -322,8 +324,8 @@ void Preview::read_second() {
   if (live_) {
     for (std::string& notice : live_->notices()) {
       if (!options_.json) fmt::print(stderr, "footlight: {}\n", notice);
-      tell(notice);
-      facts_.notice = std::move(notice);
+      facts_.notice = tr_known(notice);
+      tell(facts_.notice);
     }
   }
   facts_.frame_p50_ms = times_.quantile_ms(0.5);
@@ -519,6 +521,7 @@ PreviewOptions options_for(PreviewOptions options, const Preview::Next& next) {
 }  // namespace
 
 Result<int> run_preview(const PreviewOptions& options) {
+  FL_TRY(choose_words(options.language));
   PreviewOptions now = options;
   std::optional<PreviewOptions> before;  // of the window before, if this one was opened from it
   int worst = kExitOk;

@@ -247,7 +247,7 @@ class Preview {
   void expose(double steps_ev);
   void show_exposure();
   void tell(std::string news, bool wrong = false);
-  void tell(const Error& error) { tell(error.message, true); }
+  void tell(const Error& error);
   // Of all views, and of one; stage() is the active one.
   [[nodiscard]] PixelRect place() const;
   [[nodiscard]] PixelRect place_of(int view) const { return view_place(place(), desk_->views(), view); }
@@ -310,10 +310,10 @@ class Preview {
   SharedScene resting_scene_;
   std::unique_ptr<HandLayer> layer_;  // over all of them; ends before they do
 
-  std::unique_ptr<Recording> recording_;  // null: nothing is recorded
+  std::unique_ptr<Recording> recording_;    // null: nothing is recorded
   std::future<Result<std::string>> ended_;  // valid: a recording is being written to its end
-  TimeNs step_ns_ = 0;                    // when the step that is given next begins, of live inputs and faders
-  std::unique_ptr<LiveOutputs> outputs_;  // null: there are none
+  TimeNs step_ns_ = 0;                      // when the step that is given next begins, of live inputs and faders
+  std::unique_ptr<LiveOutputs> outputs_;    // null: there are none
   OutputsView outputs_view_;
   std::unique_ptr<ComparedLog> compared_;  // whose levels are A of the comparison; null: none
   TimeNs compared_since_ns_ = 0;           // without a log that plays: when it began
@@ -334,10 +334,10 @@ class Preview {
   std::unique_ptr<Window> window_;
   std::unique_ptr<render::vk::Device> device_;  // of the stage
   std::unique_ptr<render::Frame> frame_;
-  double refresh_hz_ = 60;                    // of the screen
-  TimeNs drawn_ns_ = 0;                       // when the newest picture was started
-  std::optional<OrbitCamera> drawn_camera_;   // of it
-  int drawn_view_ = 0;                        // of it
+  double refresh_hz_ = 60;                   // of the screen
+  TimeNs drawn_ns_ = 0;                      // when the newest picture was started
+  std::optional<OrbitCamera> drawn_camera_;  // of it
+  int drawn_view_ = 0;                       // of it
   // A view of the stage. All are drawn by frame_, in turn, and have the same size.
   struct View {
     std::optional<OrbitCamera> shown;         // camera of the picture that the window shows; nothing: there is none
@@ -347,7 +347,7 @@ class Preview {
   };
   std::array<View, kViewsMax> views_;
   ViewTurns view_turns_;
-  int shown_views_ = 1;  // that follow_views() has seen
+  int shown_views_ = 1;                       // that follow_views() has seen
   render::vk::Buffer counts_;                 // of the current picture, for the panel
   std::unique_ptr<render::LiveError> error_;  // while the panel shows it; null in a rig without light
   render::Knobs knobs_;                       // but for nodes and divisor, which are those of controls_
@@ -374,11 +374,11 @@ class Preview {
   SharedScene left_out_scene_;      // that report_.left_out is of, with these settings
   render::FrameSettings left_out_settings_;
   std::future<LeftOutPlan> reading_left_out_;
-  bool haze_is_rig_ = true;                   // the slider edits the rig; else, with --haze, only the picture
-  double picture_haze_per_m_ = 0;             // then
-  std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
-  std::unique_ptr<StagePicture> picture_;     // destroyed before what its commands use
-  LogThumbnails thumbnails_;                  // likewise; beside frame_
+  bool haze_is_rig_ = true;                // the slider edits the rig; else, with --haze, only the picture
+  double picture_haze_per_m_ = 0;          // then
+  std::atomic<bool> closed_ = false;       // while other threads worked: they may end early
+  std::unique_ptr<StagePicture> picture_;  // destroyed before what its commands use
+  LogThumbnails thumbnails_;               // likewise; beside frame_
 
   // Edits.
   struct Made;
@@ -433,9 +433,9 @@ class Preview {
   TimeNs wanted_since_ns_ = 0;
 
   TimeNs begun_ns_ = 0;
-  DurationNs progress_ns_ = -1;  // from there to the first text in the window; -1: not yet
-  DurationNs picture_ns_ = -1;   // to the first picture
-  DurationNs whole_ns_ = -1;     // to the first one that is not rough
+  DurationNs progress_ns_ = -1;                              // from there to the first text in the window; -1: not yet
+  DurationNs picture_ns_ = -1;                               // to the first picture
+  DurationNs whole_ns_ = -1;                                 // to the first one that is not rough
   std::vector<std::pair<const char*, double>> start_marks_;  // what ended when, ms; until there is a frame
   TimeNs start_ns_ = 0;
   TimeNs last_ns_ = 0;            // when the last turn began

@@ -323,8 +323,8 @@ void Window::add_fonts() {
   ImGuiIO& io = ImGui::GetIO();
   io.Fonts->Clear();
   font_scale_ = ui_scale();
-  has_font_file_ =
-      access(kFontPath, R_OK) == 0 && io.Fonts->AddFontFromFileTTF(kFontPath, kFontPx * font_scale_) != nullptr;
+  has_font_file_ = access(kFontPath, R_OK) == 0 && io.Fonts->AddFontFromFileTTF(kFontPath, kFontPx * font_scale_,
+                                                                                nullptr, ui_glyph_ranges()) != nullptr;
   if (!has_font_file_) {
     io.Fonts->AddFontDefault();
     font_scale_ = 1;

@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 
 #include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
 std::string label_of(const KeyRow& row, const UiDesk& desk) {
-  if (row.call.action == UiAction::kFlashes) return fmt::format("{} (now {})", row.does, word_of(desk.flashes()));
+  if (row.call.action == UiAction::kFlashes) return trf("{} (now {})", tr(row.does), tr(word_of(desk.flashes())));
   const UiCommand* command = row.call.action == UiAction::kUndo   ? desk.history().next_undo()
                              : row.call.action == UiAction::kRedo ? desk.history().next_redo()
                                                                   : nullptr;
-  return command == nullptr ? row.does : fmt::format("{}: {}", row.does, text_of(*command, desk.rig()));
+  return command == nullptr ? tr(row.does) : fmt::format("{}: {}", tr(row.does), text_of(*command, desk.rig()));
 }
 
 bool is_possible(const KeyRow& row, const UiDesk& desk, bool has_log, const OutputsView* outputs) {
@@ -40,28 +41,27 @@ std::vector<UiActionItem> action_items(const UiDesk& desk, bool has_log, const O
   for (const KeyRow& row : key_rows()) {
     if (row.keys == nullptr) continue;
     if (row.call.action != UiAction::kCamera) {
-      items.push_back({row.call, label_of(row, desk), row.keys, is_possible(row, desk, has_log, outputs)});
+      items.push_back({row.call, label_of(row, desk), tr(row.keys), is_possible(row, desk, has_log, outputs)});
       continue;
     }
     for (int i = 0; i < static_cast<int>(desk.cameras().size()); ++i) {
       items.push_back({{UiAction::kCamera, i},
-                       "camera " + desk.cameras()[static_cast<std::size_t>(i)].name,
+                       trf("camera {}", desk.cameras()[static_cast<std::size_t>(i)].name),
                        i < kDigits ? std::to_string(i + 1) : std::string()});
     }
   }
   for (std::size_t i = 0; i < panels().size(); ++i) {
     const PanelInfo& panel = panels()[i];
     items.push_back({{UiAction::kPanel, static_cast<int>(i)},
-                     fmt::format("panel {}: {}", panel.title, panel.shows),
-                     panel.key_text});
+                     trf("panel {}: {}", tr(panel.title), tr(panel.shows)),
+                     tr(panel.key_text)});
   }
   for (std::size_t i = 0; i < desk.recent_rigs().size(); ++i) {
-    items.push_back({{UiAction::kOpenRecent, static_cast<int>(i)}, "open " + desk.recent_rigs()[i], {}});
+    items.push_back({{UiAction::kOpenRecent, static_cast<int>(i)}, trf("open {}", desk.recent_rigs()[i]), {}});
   }
   for (std::size_t i = 0; has_log && i < desk.state().markers.size(); ++i) {
     const Marker& marker = desk.state().markers[i];
-    items.push_back(
-        {{UiAction::kMarker, static_cast<int>(i)}, fmt::format("marker {}", marker.name), time_text(marker.at_ns)});
+    items.push_back({{UiAction::kMarker, static_cast<int>(i)}, trf("marker {}", marker.name), time_text(marker.at_ns)});
   }
   return items;
 }

@@ -11,6 +11,7 @@
 #include "fixtures/model/params.h"
 #include "fixtures/simulate/encode.h"
 #include "fixtures/simulate/walker.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -375,8 +376,9 @@ Result<fixtures::RigEdit> turn_to_point(BeamAim& aim, const fixtures::Rig& edite
     return fail(ErrorCode::kBadInput, "no selected fixture can be turned to a point; select fixtures with a beam");
   }
   const std::string& first = edited.fixtures[static_cast<std::size_t>(all.changes.front().fixture)].name;
-  all.text =
-      all.changes.size() == 1 ? fmt::format("aim {}", first) : fmt::format("aim {} fixtures", all.changes.size());
+  all.text = all.changes.size() == 1
+                 ? trf("aim {}", first)
+                 : trf_n("aim {} fixture", "aim {} fixtures", all.changes.size(), all.changes.size());
   return all;
 }
 

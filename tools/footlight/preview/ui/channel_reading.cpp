@@ -7,6 +7,7 @@
 
 #include "fixtures/compile/stretches.h"
 #include "fixtures/model/attributes.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -58,17 +59,16 @@ ChannelReading reading_of(const fixtures::FixtureType& type, const fixtures::Cha
 }
 
 std::string text_of(const ChannelReading& reading) {
-  if (reading.function == nullptr) return "no function";
+  if (reading.function == nullptr) return tr("no function");
   const fixtures::AttributeInfo info = fixtures::attribute_info(reading.function->attribute);
   const std::string& set = reading.set != nullptr ? reading.set->name : reading.function->name;
   if (reading.set != nullptr && reading.set->wheel_slot > 0) {
-    return set.empty() ? fmt::format("slot {}", reading.set->wheel_slot)
-                       : fmt::format("{}: {}", reading.set->wheel_slot, set);
+    return set.empty() ? trf("slot {}", reading.set->wheel_slot) : fmt::format("{}: {}", reading.set->wheel_slot, set);
   }
   // "NoFeature" and attributes without a unit: their names say more than a number.
   if (info.unit == PhysicalUnit::kNone) {
     if (!set.empty()) return set;
-    if (info.name == "NoFeature") return "nothing";
+    if (info.name == "NoFeature") return tr("nothing");
   }
   std::string text = with_unit(reading.value, info.unit);
   if (reading.set != nullptr && !reading.set->name.empty()) text += "  " + reading.set->name;
@@ -77,7 +77,7 @@ std::string text_of(const ChannelReading& reading) {
 
 std::string name_of(const fixtures::Channel& channel) {
   if (!channel.name.empty()) return channel.name;
-  return channel.functions.empty() ? "no function" : channel.functions.front().attribute;
+  return channel.functions.empty() ? tr("no function") : channel.functions.front().attribute;
 }
 
 }  // namespace footlight::tools

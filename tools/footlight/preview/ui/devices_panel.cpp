@@ -14,6 +14,7 @@
 #include "tools/footlight/duration.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 #include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
@@ -36,20 +37,20 @@ std::string errors_text(const PortStatus& port) {
   const auto add = [&](std::uint64_t count, const char* what) {
     if (count > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count, what);
   };
-  add(port.port.rejected, "rejected");
-  add(port.port.dropped, "replaced unsent");
-  add(port.port.errors + port.failures, "errors");
-  add(port.refused, "refused");
-  add(port.unrouted, "of other universes");
+  add(port.port.rejected, tr("rejected"));
+  add(port.port.dropped, tr("replaced unsent"));
+  add(port.port.errors + port.failures, tr("errors"));
+  add(port.refused, tr("refused"));
+  add(port.unrouted, tr("of other universes"));
   return words;
 }
 
 const char* word_of(ArmState state) {
   switch (state) {
-    case ArmState::kOff: return "not armed";
-    case ArmState::kOpening: return "opening";
-    case ArmState::kArmed: return "LIVE";
-    case ArmState::kClosing: return "ends dark";
+    case ArmState::kOff: return tr("not armed");
+    case ArmState::kOpening: return tr("opening");
+    case ArmState::kArmed: return tr("LIVE");
+    case ArmState::kClosing: return tr("ends dark");
   }
   return "";
 }
@@ -86,17 +87,18 @@ struct LineColumns {
 class DevicesPanel final : public Panel {
  public:
   void draw(UiDesk&, const UiInput& input) override {
-    ui_text(kUiAmber, "Inputs");
+    ui_text(kUiAmber, tr("Inputs"));
     draw_inputs(input);
     if (input.inputs != nullptr) draw_more_inputs(*input.inputs, input.scale);
     ImGui::Dummy({0, 4 * input.scale});
-    ui_text(kUiAmber, "Outputs to real lamps");
+    ui_text(kUiAmber, tr("Outputs to real lamps"));
     if (input.outputs == nullptr) return;
     draw_all_outputs(input);
-    if (const auto asked = draw_field("output", "enttec-pro=1", output_text_)) input.outputs->add = asked;
+    if (const auto asked = draw_field("output", "enttec-pro=1", output_text_, tr_label("add an output")))
+      input.outputs->add = asked;
     if (!input.outputs->refusal.empty()) wrapped(kUiRed, input.outputs->refusal);
     ImGui::Dummy({0, 4 * input.scale});
-    ui_text(kUiAmber, "Plugged in");
+    ui_text(kUiAmber, tr("Plugged in"));
     input.outputs->looks = true;
     draw_devices(*input.outputs);
   }
@@ -105,7 +107,7 @@ class DevicesPanel final : public Panel {
   void draw_all_outputs(const UiInput& input) {
     if (input.outputs->rows.empty()) {
       asks_.reset();
-      wrapped(kUiDim, "There are none. What is added here, or with --output ENDPOINT, is armed by hand.");
+      wrapped(kUiDim, tr("There are none. What is added here, or with --output ENDPOINT, is armed by hand."));
       return;
     }
     draw_buttons(*input.outputs, input.scale);
@@ -119,13 +121,13 @@ class DevicesPanel final : public Panel {
     const int columns = 6 + (line.breaks ? 1 : 0) + (line.latency ? 1 : 0);
     if (!ImGui::BeginTable(id, columns, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) return false;
     const float unit = ImGui::GetFontSize();
-    ImGui::TableSetupColumn("endpoint", ImGuiTableColumnFlags_WidthStretch);
-    ImGui::TableSetupColumn("state", ImGuiTableColumnFlags_WidthFixed, unit * 5);
-    ImGui::TableSetupColumn("universes", ImGuiTableColumnFlags_WidthFixed, unit * 6);
-    ImGui::TableSetupColumn("frames", ImGuiTableColumnFlags_WidthFixed, unit * 5);
-    ImGui::TableSetupColumn("rate", ImGuiTableColumnFlags_WidthFixed, unit * 4.5f);
-    if (line.breaks) ImGui::TableSetupColumn("break", ImGuiTableColumnFlags_WidthFixed, unit * 4);
-    if (line.latency) ImGui::TableSetupColumn("latency", ImGuiTableColumnFlags_WidthFixed, unit * 4.5f);
+    ImGui::TableSetupColumn(tr("endpoint"), ImGuiTableColumnFlags_WidthStretch);
+    ImGui::TableSetupColumn(tr("state"), ImGuiTableColumnFlags_WidthFixed, unit * 5);
+    ImGui::TableSetupColumn(tr("universes"), ImGuiTableColumnFlags_WidthFixed, unit * 6);
+    ImGui::TableSetupColumn(tr_in("DMX", "frames"), ImGuiTableColumnFlags_WidthFixed, unit * 5);
+    ImGui::TableSetupColumn(tr("rate"), ImGuiTableColumnFlags_WidthFixed, unit * 4.5f);
+    if (line.breaks) ImGui::TableSetupColumn(tr("break"), ImGuiTableColumnFlags_WidthFixed, unit * 4);
+    if (line.latency) ImGui::TableSetupColumn(tr("latency"), ImGuiTableColumnFlags_WidthFixed, unit * 4.5f);
     ImGui::TableSetupColumn(last, ImGuiTableColumnFlags_WidthFixed, unit * last_width);
     ImGui::TableHeadersRow();
     return true;
@@ -145,27 +147,28 @@ class DevicesPanel final : public Panel {
       cell(words.empty() ? kUiDim : kUiText, words.empty() ? "-" : words);
       if (!tip.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tip.c_str());
     };
-    if (line.breaks) value_cell(port != nullptr ? break_text(*port) : "", "the break before a frame, median");
+    if (line.breaks) value_cell(port != nullptr ? break_text(*port) : "", tr("the break before a frame, median"));
     if (!line.latency) return;
     const bool known = port != nullptr && port->latency.count > 0;
     value_cell(known ? show_duration(port->latency.p50_ns) : "",
-               known ? fmt::format("from the levels to the end of the call that sends them: median {}, 99 % below {}, "
-                                   "longest {}",
-                                   show_duration(port->latency.p50_ns), show_duration(port->latency.p99_ns),
-                                   show_duration(port->latency.max_ns))
+               known ? trf("from the levels to the end of the call that sends them: median {}, 99 % below {}, "
+                           "longest {}",
+                           show_duration(port->latency.p50_ns), show_duration(port->latency.p99_ns),
+                           show_duration(port->latency.max_ns))
                      : "");
   }
 
   static void draw_inputs(const UiInput& input) {
     if (input.status == nullptr) {
-      wrapped(kUiDim, input.transport != nullptr ? "None: a log drives the rig." : "None: faders drive the rig.");
+      wrapped(kUiDim,
+              input.transport != nullptr ? tr("None: a log drives the rig.") : tr("None: faders drive the rig."));
       return;
     }
     LineColumns line;
     for (const PortStatus& port : input.status->ports) {
       if (!port.is_sink) line.add(port);
     }
-    if (begin_table("inputs", "newest", 6, line)) {
+    if (begin_table("inputs", tr("newest"), 6, line)) {
       for (const PortStatus& port : input.status->ports) {
         if (port.is_sink) continue;
         ImGui::TableNextRow();
@@ -186,44 +189,48 @@ class DevicesPanel final : public Panel {
     for (const std::string& endpoint : view.inputs) {
       const bool made_up = is_on(view.made_up, endpoint);
       ImGui::PushID(endpoint.c_str());
-      ui_text(made_up ? kUiAmber : kUiDim, made_up ? "MADE UP: " + endpoint : endpoint);
+      ui_text(made_up ? kUiAmber : kUiDim, made_up ? trf("MADE UP: {}", endpoint) : endpoint);
       ImGui::SameLine();
-      if (ImGui::SmallButton("remove")) view.remove = endpoint;
+      if (ImGui::SmallButton(tr_label("remove"))) view.remove = endpoint;
       ImGui::PopID();
     }
     if (!view.by_hand.empty()) {
       ui_text(kUiGreen, view.by_hand);
       ImGui::SameLine();
-      if (ImGui::SmallButton("release all")) view.release_hand = true;
+      if (ImGui::SmallButton(tr_label("release all"))) view.release_hand = true;
     }
     if (view.dark_by_hand) {
-      ui_text(kUiRed, "BLACKOUT by hand");
+      ui_text(kUiRed, tr("BLACKOUT by hand"));
       ImGui::SameLine();
-      if (ImGui::SmallButton("end it")) view.end_hand_blackout = true;
+      if (ImGui::SmallButton(tr_label("end it"))) view.end_hand_blackout = true;
     }
     if (view.learns) {
-      ui_text(kUiAmber, "Move one fader, knob or button.");
+      ui_text(kUiAmber, tr("Move one fader, knob or button."));
       ImGui::SameLine();
-      if (ImGui::SmallButton("stop")) view.stop_learning = true;
+      if (ImGui::SmallButton(tr_label("stop"))) view.stop_learning = true;
     } else if (view.has_controls) {
-      if (const auto asked = draw_field("a control", "for 1.17, Mover 3:Tilt", learn_text_, "learn"))
+      if (const auto asked =
+              draw_field("a control", tr("for 1.17, Mover 3:Tilt"), learn_text_, tr_label("learn a control")))
         view.learn = asked;
     }
-    if (const auto asked = draw_field("input", "sacn:1-9", input_text_)) view.add = asked;
+    if (const auto asked = draw_field("input", "sacn:1-9", input_text_, tr_label("add an input"))) view.add = asked;
     ImGui::SameLine(0, 16 * scale);
     ImGui::BeginDisabled(!view.why_not.empty());
-    ui_text(kUiDim, "or made up:");
+    ui_text(kUiDim, tr("or made up:"));
     for (const std::string_view word : kPatternWords) {
       const std::string endpoint = fmt::format("mock:{}", word);
       if (is_on(view.inputs, endpoint)) continue;
+      const std::string label = trf("add {}", word) + fmt::format("###{}", word);
+      const float width = ImGui::CalcTextSize(label.c_str(), nullptr, true).x + 2 * ImGui::GetStyle().FramePadding.x;
       ImGui::SameLine(0, 8 * scale);
-      if (ImGui::SmallButton(fmt::format("add {}", word).c_str())) view.add = endpoint;
+      if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
+      if (ImGui::SmallButton(label.c_str())) view.add = endpoint;
     }
     ImGui::EndDisabled();
     if (view.has_patterns) {
-      ui_text(kUiDim, fmt::format("{:.1f} beats a minute", view.beats_a_minute));
+      ui_text(kUiDim, trf("{:.1f} beats a minute", view.beats_a_minute));
       ImGui::SameLine();
-      if (ImGui::SmallButton("tap (N)")) view.tap = true;
+      if (ImGui::SmallButton(tr_label("tap (N)"))) view.tap = true;
     }
     if (!view.refusal.empty()) wrapped(kUiRed, view.refusal);
     if (!view.why_not.empty()) wrapped(kUiDim, view.why_not);
@@ -231,13 +238,13 @@ class DevicesPanel final : public Panel {
 
   // A field for an endpoint. Enter or its button adds what it has.
   static std::optional<std::string> draw_field(const char* what, const char* example, std::array<char, 160>& text,
-                                               const char* verb = "add") {
+                                               const char* words) {
     ImGui::PushID(what);
     ImGui::SetNextItemWidth(ImGui::GetFontSize() * 12);
     constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll;
     bool adds = ImGui::InputTextWithHint("##endpoint", example, text.data(), text.size(), kFlags);
     ImGui::SameLine();
-    adds = ImGui::Button(fmt::format("{} {}", verb, what).c_str()) || adds;
+    adds = ImGui::Button(words) || adds;
     ImGui::PopID();
     const std::string asked = text.data();
     if (!adds || asked.empty()) return std::nullopt;
@@ -247,7 +254,7 @@ class DevicesPanel final : public Panel {
 
   static void draw_input(const PortStatus& port, const UiInput& input, const LineColumns& line) {
     cell(kUiText, port.name);
-    cell(colour_of(port.state), name_of(port.state));
+    cell(colour_of(port.state), tr(name_of(port.state)));
     std::vector<Universe> universes;
     TimeNs newest_ns = 0;
     for (const PortUniverseStatus& one : port.universes) {
@@ -265,7 +272,8 @@ class DevicesPanel final : public Panel {
     }
     rate_cells(port);
     line_cells(&port, line);
-    cell(newest_ns == 0 ? kUiDim : kUiText, newest_ns == 0 ? "none yet" : age_text(input.status->stamp_ns - newest_ns));
+    cell(newest_ns == 0 ? kUiDim : kUiText,
+         newest_ns == 0 ? tr("none yet") : age_text(input.status->stamp_ns - newest_ns));
   }
 
   // What is wrong and what to do.
@@ -274,8 +282,7 @@ class DevicesPanel final : public Panel {
       wrapped(kUiRed, port.trouble);
     } else if (known && !port.is_sink && !port.universes.empty() && port.frames == 0 &&
                port.state != PortState::kEnded) {
-      wrapped(kUiAmber,
-              fmt::format("{}: no frames yet. Start the sender; `footlight doctor` checks this machine.", port.name));
+      wrapped(kUiAmber, trf("{}: no frames yet. Start the sender; `footlight doctor` checks this machine.", port.name));
     }
     if (const std::string errors = errors_text(port); !errors.empty()) {
       wrapped(kUiDim, fmt::format("{}: {}", port.name, errors));
@@ -286,20 +293,20 @@ class DevicesPanel final : public Panel {
     const bool any_off = std::any_of(outputs.rows.begin(), outputs.rows.end(),
                                      [](const OutputRow& row) { return row.state == ArmState::kOff; });
     ImGui::BeginDisabled(!any_off);
-    if (ImGui::Button("arm all ...")) asks(kAll);
+    if (ImGui::Button(tr_label("arm all ..."))) asks(kAll);
     ImGui::EndDisabled();
     ImGui::SameLine();
     ImGui::BeginDisabled(!outputs.any_on());
-    if (ImGui::Button("disarm all")) outputs.disarm_all();
+    if (ImGui::Button(tr_label("disarm all"))) outputs.disarm_all();
     ImGui::EndDisabled();
     ImGui::SameLine(0, 24 * scale);
     if (outputs.darkness == Darkness::kNone) {
       ImGui::PushStyleColor(ImGuiCol_Text, kStageColours.text);
       ImGui::PushStyleColor(ImGuiCol_Button, {0.45f, 0.10f, 0.10f, 1});
       ImGui::PushStyleColor(ImGuiCol_ButtonHovered, {0.62f, 0.14f, 0.14f, 1});
-      if (ImGui::Button("BLACKOUT")) outputs.blackout = true;
+      if (ImGui::Button(tr_label("BLACKOUT"))) outputs.blackout = true;
       ImGui::PopStyleColor(3);
-    } else if (ImGui::Button("end the blackout")) {
+    } else if (ImGui::Button(tr_label("end the blackout"))) {
       outputs.blackout = false;
     }
     if (outputs.darkness == Darkness::kSilence) {
@@ -323,10 +330,10 @@ class DevicesPanel final : public Panel {
       ImGui::EndTable();
     }
     for (const OutputRow& row : outputs.rows) {
-      if (!row.trouble.empty()) wrapped(kUiRed, "not armed: " + row.trouble);
+      if (!row.trouble.empty()) wrapped(kUiRed, trf("not armed: {}", row.trouble));
       if (!row.left_out.empty()) {
-        wrapped(kUiAmber, fmt::format("{}: universe {} is not sent: no fixture of this rig has an address there",
-                                      row.endpoint, show_universes(row.left_out)));
+        wrapped(kUiAmber, trf("{}: universe {} is not sent: no fixture of this rig has an address there", row.endpoint,
+                              show_universes(row.left_out)));
       }
       if (row.status) draw_trouble(*row.status, true);
     }
@@ -335,11 +342,11 @@ class DevicesPanel final : public Panel {
   void draw_output(OutputsView& outputs, std::size_t index, const LineColumns& line) {
     const OutputRow& row = outputs.rows[index];
     ImGui::TableNextColumn();
-    const std::string words = row.made_up ? row.endpoint + " (made up)" : row.endpoint;
+    const std::string words = row.made_up ? trf("{} (made up)", row.endpoint) : row.endpoint;
     ImGui::PushStyleColor(ImGuiCol_Text, row.made_up ? kUiAmber : kUiText);
     if (row.can_move) {
       ImGui::Selectable(words.c_str(), false, 0, {ImGui::CalcTextSize(words.c_str()).x, 0});
-      if (ImGui::IsItemHovered()) ImGui::SetTooltip("Drag it to another universe below.");
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("Drag it to another universe below."));
       drag_source(kOutputDrag, &index, sizeof(index), row.endpoint);
     } else {
       ui_text(words);
@@ -349,8 +356,8 @@ class DevicesPanel final : public Panel {
     cell(row.state == ArmState::kOff     ? kUiDim
          : row.state == ArmState::kArmed ? kUiRed
                                          : kUiAmber,
-         lost                                                                   ? "LIVE, lost"
-         : row.state == ArmState::kArmed && outputs.darkness != Darkness::kNone ? "zeros"
+         lost                                                                   ? tr("LIVE, lost")
+         : row.state == ArmState::kArmed && outputs.darkness != Darkness::kNone ? tr("zeros")
                                                                                 : word_of(row.state));
     cell(kUiText, show_universes(row.universes));
     if (row.status) {
@@ -362,15 +369,15 @@ class DevicesPanel final : public Panel {
     line_cells(row.status ? &*row.status : nullptr, line);
     ImGui::TableNextColumn();
     if (row.state == ArmState::kOff) {
-      if (ImGui::SmallButton("arm ...")) asks(index);
+      if (ImGui::SmallButton(tr_label("arm ..."))) asks(index);
     } else if (row.state != ArmState::kClosing) {
-      if (ImGui::SmallButton("disarm")) outputs.disarm.push_back(index);
+      if (ImGui::SmallButton(tr_label("disarm"))) outputs.disarm.push_back(index);
     }
   }
 
   // DMX interfaces of this machine. A drag to a universe makes one an output; so does its button, for the chosen one.
   void draw_devices(OutputsView& outputs) {
-    if (outputs.devices.empty()) wrapped(kUiDim, "No DMX interface. `footlight doctor` checks this machine.");
+    if (outputs.devices.empty()) wrapped(kUiDim, tr("No DMX interface. `footlight doctor` checks this machine."));
     for (std::size_t i = 0; i < outputs.devices.size(); ++i) {
       const PluggedDevice& device = outputs.devices[i];
       ImGui::PushID(static_cast<int>(i));
@@ -390,16 +397,16 @@ class DevicesPanel final : public Panel {
     if (!can_send || outputs.universes.empty()) return ui_text(kUiText, words);
     const float width = ImGui::CalcTextSize(words.c_str()).x;
     ImGui::Selectable(words.c_str(), false, 0, {width, 0});
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Drag it to a universe below.");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("Drag it to a universe below."));
     drag_source(kDeviceDrag, endpoint.c_str(), endpoint.size() + 1, endpoint);
     ImGui::SameLine();
-    if (ImGui::SmallButton("add")) outputs.add = fmt::format("{}={}", endpoint, chosen(outputs));
+    if (ImGui::SmallButton(tr_label("add"))) outputs.add = fmt::format("{}={}", endpoint, chosen(outputs));
   }
 
   static void drag_source(const char* kind, const void* data, std::size_t size, const std::string& words) {
     if (!ImGui::BeginDragDropSource(ImGuiDragDropFlags_SourceAllowNullID)) return;
     ImGui::SetDragDropPayload(kind, data, size);
-    ui_text(words + " to a universe");
+    ui_text(trf("{} to a universe", words));
     ImGui::EndDragDropSource();
   }
 
@@ -408,9 +415,10 @@ class DevicesPanel final : public Panel {
     const auto at = std::find_if(outputs.rows.begin(), outputs.rows.end(),
                                  [](const OutputRow& row) { return row.endpoint.starts_with(kModel); });
     if (at != outputs.rows.end() || outputs.universes.empty()) return;
-    ui_text(kUiDim, "No interface at hand? A made-up one sends to no lamp:");
+    ui_text(kUiDim, tr("No interface at hand? A made-up one sends to no lamp:"));
     ImGui::SameLine();
-    if (ImGui::SmallButton("add a made-up interface")) outputs.add = fmt::format("{}={}", kModel, chosen(outputs));
+    if (ImGui::SmallButton(tr_label("add a made-up interface")))
+      outputs.add = fmt::format("{}={}", kModel, chosen(outputs));
     drag_source(kDeviceDrag, kModel, std::string_view(kModel).size() + 1, kModel);
   }
 
@@ -422,7 +430,7 @@ class DevicesPanel final : public Panel {
 
   // Those of the rig: a click chooses the one that `add` is for, and what is dropped on one is patched to it.
   void draw_universes(OutputsView& outputs) {
-    ui_text(kUiDim, "Universes: drag an interface or an output here; `add` is for the amber one");
+    ui_text(kUiDim, tr("Universes: drag an interface or an output here; `add` is for the amber one"));
     const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
     for (std::size_t i = 0; i < outputs.universes.size() && i < kChipsMax; ++i) {
       const Universe universe = outputs.universes[i];
@@ -443,7 +451,7 @@ class DevicesPanel final : public Panel {
       ImGui::EndDragDropTarget();
     }
     if (outputs.universes.size() > kChipsMax) {
-      ui_text(kUiDim, fmt::format("and {} more: type the endpoint", outputs.universes.size() - kChipsMax));
+      ui_text(kUiDim, trf("and {} more: type the endpoint", outputs.universes.size() - kChipsMax));
     }
   }
 
@@ -455,7 +463,7 @@ class DevicesPanel final : public Panel {
 
   // Two acts at two places: a tick, and the button that it enables. A click that comes twice arms nothing.
   void draw_question(const UiInput& input) {
-    constexpr const char* kTitle = "Send to real lamps?";
+    const char* const kTitle = tr_label("Send to real lamps?");
     if (!asks_) return;
     OutputsView& outputs = *input.outputs;
     if (opens_) ImGui::OpenPopup(kTitle);
@@ -468,26 +476,28 @@ class DevicesPanel final : public Panel {
     for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
       const OutputRow& row = outputs.rows[i];
       if ((*asks_ == kAll || *asks_ == i) && row.state == ArmState::kOff) {
-        ui_text(kUiAmber, fmt::format("{}  universe {}{}", row.endpoint, show_universes(row.sent()),
-                                      row.made_up ? "  (made up: no lamp gets it)" : ""));
+        ui_text(kUiAmber, row.made_up ? trf("{}  universe {}  (made up: no lamp gets it)", row.endpoint,
+                                            show_universes(row.sent()))
+                                      : trf("{}  universe {}", row.endpoint, show_universes(row.sent())));
       }
     }
     const auto lit =
         std::count_if(input.levels.begin(), input.levels.end(), [](std::uint8_t level) { return level > 0; });
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
-    ui_text(fmt::format("Real lamps get the levels of the picture at once, and move: {} of the rig {} above zero.",
-                        counted(lit, "slot"), lit == 1 ? "is" : "are"));
+    ui_text(trf_n("Real lamps get the levels of the picture at once, and move: {} slot of the rig is above zero.",
+                  "Real lamps get the levels of the picture at once, and move: {} slots of the rig are above zero.",
+                  lit, lit));
     if (input.inputs != nullptr && !input.inputs->made_up.empty()) {
-      ui_text(kUiRed, fmt::format("A made-up input moves them: {}.", input.inputs->made_up.front()));
+      ui_text(kUiRed, trf("A made-up input moves them: {}.", input.inputs->made_up.front()));
     }
-    ui_text(kUiDim, "B or F9 is the blackout, Ctrl+D disarms all. Disarmed outputs end dark.");
+    ui_text(kUiDim, tr("B or F9 is the blackout, Ctrl+D disarms all. Disarmed outputs end dark."));
     ImGui::PopTextWrapPos();
-    ImGui::Checkbox("The stage is clear, and nobody is near the lamps", &clear_);
+    ImGui::Checkbox(tr_label("The stage is clear, and nobody is near the lamps"), &clear_);
     ImGui::BeginDisabled(!clear_);
-    const bool arms = ImGui::Button("Arm");
+    const bool arms = ImGui::Button(tr_label("Arm"));
     ImGui::EndDisabled();
     ImGui::SameLine();
-    const bool leaves = ImGui::Button("Leave it");
+    const bool leaves = ImGui::Button(tr_label("Leave it"));
     if (arms) {
       for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
         if (*asks_ == kAll || *asks_ == i) outputs.arm.push_back(i);

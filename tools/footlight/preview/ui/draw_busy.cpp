@@ -7,13 +7,14 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
 Busy busy_with(const Transport::Seeking& seeking) {
   const double all = static_cast<double>(std::max<DurationNs>(seeking.until_ns - seeking.from_ns, 1));
   const double done = static_cast<double>(seeking.at_ns - seeking.from_ns);
-  return {BusyWith::kSeek, fmt::format("going to {} of the log", time_text(seeking.until_ns)),
+  return {BusyWith::kSeek, trf("going to {} of the log", time_text(seeking.until_ns)),
           std::clamp(done / all, 0.0, 1.0), true};
 }
 
@@ -34,7 +35,7 @@ bool BusyMark::draw(const Busy& busy, TimeNs now_ns, float stage_width, float y,
   if (ImGui::Begin("busy", nullptr, kFlags)) {
     ui_text(busy.words);
     const float width = std::max(200 * scale, ImGui::CalcTextSize(busy.words.c_str()).x);
-    const float button = 96 * scale;
+    const float button = ImGui::CalcTextSize(tr("cancel (Esc)")).x + 2 * ImGui::GetStyle().FramePadding.x;
     if (busy.share) {
       ImGui::ProgressBar(static_cast<float>(*busy.share),
                          {busy.can_cancel ? width - button - ImGui::GetStyle().ItemSpacing.x : width, 0});
@@ -43,7 +44,7 @@ bool BusyMark::draw(const Busy& busy, TimeNs now_ns, float stage_width, float y,
     }
     if (busy.can_cancel) {
       ImGui::SameLine();
-      cancels = ImGui::Button("cancel (Esc)", {button, 0});
+      cancels = ImGui::Button(tr_label("cancel (Esc)"), {button, 0});
     }
   }
   ImGui::End();

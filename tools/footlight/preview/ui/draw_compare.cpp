@@ -11,6 +11,7 @@
 #include "sim/core/counted.h"
 #include "tools/footlight/preview/ui/slot_names.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -31,7 +32,7 @@ void draw_log(KeptLevels& kept, float scale) {
     kept.offset_ns = std::llround(static_cast<double>(std::clamp(offset_s, -36000.0f, 36000.0f)) * 1e9);
   }
   if (ImGui::IsItemHovered()) {
-    ImGui::SetTooltip("The time of this log is later by so much. A click with Ctrl lets it be typed.");
+    ImGui::SetTooltip("%s", tr("The time of this log is later by so much. A click with Ctrl lets it be typed."));
   }
 }
 
@@ -39,8 +40,8 @@ void draw_log(KeptLevels& kept, float scale) {
 void draw_go(const UiInput& input, const KeptLevels& kept) {
   if (input.transport == nullptr || !kept.log_ns) return;
   ImGui::SameLine(0, 2);
-  if (ImGui::SmallButton("go")) input.transport->seek_ns = *kept.log_ns;
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("The log goes to this time.");
+  if (ImGui::SmallButton(tr_label("go"))) input.transport->seek_ns = *kept.log_ns;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("The log goes to this time."));
 }
 
 }  // namespace
@@ -72,34 +73,33 @@ void CompareView::draw_row(UiDesk& desk, const UiInput& input, Universe universe
     draw_log(*both.a, input.scale);
   }
   ImGui::SameLine(0, 4);
-  if (ImGui::SmallButton("here")) both.a = keep();
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("A is this moment.");
+  if (ImGui::SmallButton(tr_label("here"))) both.a = keep();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("A is this moment."));
   draw_go(input, *both.a);
   ImGui::PopID();
   ImGui::SameLine(0, 14 * input.scale);
   ImGui::PushID("b");
   ui_text(kUiAmber, "B");
   ImGui::SameLine(0, 4);
-  ui_text(both.b ? both.b->when : "now");
+  ui_text(both.b ? both.b->when : tr("now"));
   ImGui::SameLine(0, 4);
-  if (ImGui::SmallButton("here")) both.b = keep();
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("B is this moment, and stays it.");
+  if (ImGui::SmallButton(tr_label("here"))) both.b = keep();
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("B is this moment, and stays it."));
   if (both.b) {
     draw_go(input, *both.b);
     ImGui::SameLine(0, 2);
-    if (ImGui::SmallButton("now")) both.b.reset();
+    if (ImGui::SmallButton(tr_label("now"))) both.b.reset();
   }
   ImGui::PopID();
   ImGui::SameLine(0, 14 * input.scale);
   const std::size_t all = difference_.slots.size();
-  const std::string words =
-      all == 0 ? "no slot differs"
-               : fmt::format("{} {}, {} in universe {}", counted(all, "slot"), all == 1 ? "differs" : "differ",
-                             difference_.slots_of(universe), universe);
+  const std::string words = all == 0 ? tr("no slot differs")
+                                     : trf_n("{} slot differs, {} in universe {}", "{} slots differ, {} in universe {}",
+                                             all, all, difference_.slots_of(universe), universe);
   ui_text(all > 0 ? kUiAmber : kUiGreen, words);
   ImGui::SameLine();
-  if (ImGui::SmallButton("end")) both = {};
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ends the comparison (Shift+K).");
+  if (ImGui::SmallButton(tr_label("end"))) both = {};
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("Ends the comparison (Shift+K)."));
 }
 
 void CompareView::draw_list(UiDesk& desk, float height, std::size_t& shown) const {
@@ -107,9 +107,9 @@ void CompareView::draw_list(UiDesk& desk, float height, std::size_t& shown) cons
       ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_Resizable | ImGuiTableFlags_BordersInnerV;
   if (!ImGui::BeginTable("differences", 5, kFlags, {0, height})) return;
   ImGui::TableSetupScrollFreeze(0, 1);
-  ImGui::TableSetupColumn("Slot", ImGuiTableColumnFlags_WidthStretch, 0.6f);
-  ImGui::TableSetupColumn("Fixture", ImGuiTableColumnFlags_WidthStretch, 1.4f);
-  ImGui::TableSetupColumn("Parameter", ImGuiTableColumnFlags_WidthStretch, 1.6f);
+  ImGui::TableSetupColumn(tr("Slot"), ImGuiTableColumnFlags_WidthStretch, 0.6f);
+  ImGui::TableSetupColumn(tr("Fixture"), ImGuiTableColumnFlags_WidthStretch, 1.4f);
+  ImGui::TableSetupColumn(tr("Parameter"), ImGuiTableColumnFlags_WidthStretch, 1.6f);
   ImGui::TableSetupColumn("A", ImGuiTableColumnFlags_WidthStretch, 0.4f);
   ImGui::TableSetupColumn("B", ImGuiTableColumnFlags_WidthStretch, 0.8f);
   ImGui::TableHeadersRow();

@@ -15,6 +15,7 @@
 #include "tools/footlight/preview/ui/channel_reading.h"
 #include "tools/footlight/preview/ui/pick_colour.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -79,7 +80,7 @@ void InspectorControls::draw_pad(UiDesk& desk, const UiInput& input, int lead,
   const auto pan = axis_of(desk, lead, "Pan");
   const auto tilt = axis_of(desk, lead, "Tilt");
   if (!pan || !tilt || pan->key == tilt->key) return;
-  if (!ImGui::CollapsingHeader("Pan and tilt")) return;
+  if (!ImGui::CollapsingHeader(tr_label("Pan and tilt"))) return;
   const float side = 9 * ImGui::GetFrameHeight();
   const ImVec2 size{std::min(side * 1.5f, std::max(ImGui::GetContentRegionAvail().x - 8, 20.0f)), side};
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -118,17 +119,17 @@ void InspectorControls::draw_pad(UiDesk& desk, const UiInput& input, int lead,
     draw.AddLine({target.x - 8, target.y}, {target.x + 8, target.y}, colour, 2);
     draw.AddLine({target.x, target.y - 8}, {target.x, target.y + 8}, colour, 2);
     ui_text(taken ? kUiGreen : ImGui::GetStyleColorVec4(ImGuiCol_Text),
-            fmt::format("pan {:.1f}\u00b0  tilt {:.1f}\u00b0", *pan_deg, *tilt_deg));
+            trf("pan {:.1f}\u00b0  tilt {:.1f}\u00b0", *pan_deg, *tilt_deg));
   } else {
-    ui_text(kUiDim, "these channels do something else now");
+    ui_text(kUiDim, tr("these channels do something else now"));
   }
   ImGui::SameLine();
-  if (ImGui::SmallButton("home"))
+  if (ImGui::SmallButton(tr_label("home")))
     take(std::clamp(0.0, pan->low_deg(), pan->high_deg()), std::clamp(0.0, tilt->low_deg(), tilt->high_deg()));
   ImGui::SameLine();
   ImGui::BeginDisabled(!taken);
   const std::array<ChannelKey, 2> keys{pan->key, tilt->key};
-  if (ImGui::SmallButton("release##pad")) desk.release_several(keys, input.levels);
+  if (ImGui::SmallButton(tr_label("release", "pad"))) desk.release_several(keys, input.levels);
   ImGui::EndDisabled();
 }
 
@@ -139,7 +140,7 @@ void InspectorControls::draw_colour(UiDesk& desk, const UiInput& input, int lead
   const auto now = colour_of_channels(type, mode, [&](int channel) {
     return desk.index().read({lead, channel}, input.levels);
   });
-  if (!now || !ImGui::CollapsingHeader("Colour")) return;
+  if (!now || !ImGui::CollapsingHeader(tr_label("Colour"))) return;
   if (!picks_) {
     for (int i = 0; i < 3; ++i) {
       screen_rgb_.at(static_cast<std::size_t>(i)) = static_cast<float>(screen_of_linear((*now)[i]));
@@ -160,7 +161,7 @@ void InspectorControls::draw_colour(UiDesk& desk, const UiInput& input, int lead
   const bool taken =
       std::any_of(keys.begin(), keys.end(), [&](ChannelKey key) { return desk.state().taken.contains(key); });
   ImGui::BeginDisabled(!taken);
-  if (ImGui::SmallButton("release##colour")) desk.release_several(keys, input.levels);
+  if (ImGui::SmallButton(tr_label("release", "colour"))) desk.release_several(keys, input.levels);
   ImGui::EndDisabled();
 }
 

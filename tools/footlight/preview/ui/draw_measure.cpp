@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "tools/footlight/preview/ui/draw_handles.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -36,7 +37,7 @@ void draw_measure(const StageMeasure& measure, const std::optional<glm::dvec3>& 
   draw.PopClipRect();
   if (!measure.from_m) {
     draw_stage_text(*ImGui::GetForegroundDrawList(), place, place.origin + glm::dvec2(place.size.x / 2, 0),
-                    "measure: click two points (Esc ends)", scale);
+                    tr("measure: click two points (Esc ends)"), scale);
   } else if (end_m) {
     if (const auto at = projected(place, *end_m)) {
       draw_stage_text(*ImGui::GetForegroundDrawList(), place, *at, text_of_distance(*measure.from_m, *end_m), scale);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -64,7 +65,7 @@ void draw_thumbnail_tip(const Thumbnails& thumbnails, TimeNs at_ns, DurationNs d
   const ImVec2 low = ImGui::GetCursorScreenPos();
   ImGui::Dummy(size);
   draw_thumbnail(*ImGui::GetWindowDrawList(), *picture, low, {low.x + size.x, low.y + size.y}, true);
-  ui_text(kUiDim, "picture of " + time_text(picture->at_ns));
+  ui_text(kUiDim, trf("picture of {}", time_text(picture->at_ns)));
 }
 
 }  // namespace footlight::tools

@@ -12,6 +12,7 @@
 #include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/slot_tip.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -31,8 +32,8 @@ void draw_slot_tip(UiDesk& desk, const UiInput& input, std::size_t universe, std
   ImGui::BeginTooltip();
   ui_text(tip.level);
   for (const std::string& line : tip.means) ui_text(kUiAmber, line);
-  if (tip.means.empty()) ui_text(kUiDim, "no fixture and no display uses this slot");
-  ui_text(kUiDim, "from " + tip.from);
+  if (tip.means.empty()) ui_text(kUiDim, tr("no fixture and no display uses this slot"));
+  ui_text(kUiDim, trf("from {}", tip.from));
   if (!tip.ages.empty()) ui_text(kUiDim, tip.ages);
   if (!more.empty()) ui_text(ui_colours.differs, more);
   ImGui::EndTooltip();
@@ -129,8 +130,8 @@ std::optional<std::size_t> UniverseMaps::draw(UiDesk& desk, const UiInput& input
     const auto lit = std::count_if(maps_[index].levels.begin(), maps_[index].levels.end(),
                                    [](std::uint8_t level) { return level > 0; });
     const int differ = difference.slots_of(universes[universe]);
-    const std::string title = differ > 0 ? fmt::format("universe {}: {} differ", universes[universe], differ)
-                                         : fmt::format("universe {}: {} not 0", universes[universe], lit);
+    const std::string title = differ > 0 ? trf("universe {}: {} differ", universes[universe], differ)
+                                         : trf("universe {}: {} not 0", universes[universe], lit);
     ImGui::SetCursorScreenPos(corner);
     ui_text(title);
     ImGui::SetCursorScreenPos(place.low);

@@ -10,6 +10,7 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -93,7 +94,7 @@ void InspectorWheels::draw(UiDesk& desk, const UiInput& input, int lead) {
     lead_ = lead;
     shown_count_ = desk.shown_count();
   }
-  if (choices_.empty() || !ImGui::CollapsingHeader("Wheels")) return;
+  if (choices_.empty() || !ImGui::CollapsingHeader(tr_label("Wheels"))) return;
   for (std::size_t i = 0; i < choices_.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
     draw_choice(desk, input, lead, choices_[i]);

@@ -15,9 +15,11 @@
 
 #include "fixtures/edit/patch_slots.h"
 #include "fixtures/paperwork/patch_sheet.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/rig_editor.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -34,8 +36,9 @@ enum Column : int {
   kColumnZ,
   kColumnCount
 };
-constexpr std::array<const char*, kColumnCount> kHeads{"Id",    "Name", "Type", "Mode", "Address",
-                                                       "Hangs", "x m",  "y m",  "z m"};
+constexpr std::array<const char*, kColumnCount> kHeads{tr_mark("Id"),   tr_mark("Name"),    tr_mark("Type"),
+                                                       tr_mark("Mode"), tr_mark("Address"), tr_mark("Hangs"),
+                                                       tr_mark("x m"),  tr_mark("y m"),     tr_mark("z m")};
 
 std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -123,7 +126,7 @@ class FixturesPanel final : public Panel {
                                           : i == kColumnId && !ids_       ? ImGuiTableColumnFlags_DefaultHide
                                           : i == kColumnPlace && !places_ ? ImGuiTableColumnFlags_DefaultHide
                                                                           : ImGuiTableColumnFlags_None;
-      ImGui::TableSetupColumn(kHeads[i], flags, widths[i] * input.scale);
+      ImGui::TableSetupColumn(tr(kHeads[i]), flags, widths[i] * input.scale);
     }
     ImGui::TableSetupScrollFreeze(0, 1);
     ImGui::TableHeadersRow();
@@ -157,14 +160,16 @@ class FixturesPanel final : public Panel {
 
   void draw_head(UiDesk& desk, const UiInput& input) {
     ImGui::SetNextItemWidth(180 * input.scale);
-    if (ImGui::InputTextWithHint("##filter", "filter", filter_.data(), filter_.size())) filter();
+    if (ImGui::InputTextWithHint("##filter", tr("filter"), filter_.data(), filter_.size())) filter();
     ImGui::SameLine();
     const std::size_t selected = desk.state().selection.fixtures.size();
-    ui_text(kUiDim, fmt::format("{} of {} fixtures, {} selected", shown_.size(), rows_.size(), selected));
+    ui_text(kUiDim, trf_n("{} of {} fixture, {} selected", "{} of {} fixtures, {} selected", rows_.size(),
+                          shown_.size(), rows_.size(), selected));
     if (conflict_count_ > 0) {
       ImGui::SameLine();
       ImGui::PushStyleColor(ImGuiCol_Text, kUiRed);
-      const std::string label = fmt::format("{} share addresses###conflicts", conflict_count_);
+      const std::string label =
+          trf_n("{} shares addresses", "{} share addresses", conflict_count_, conflict_count_) + "###conflicts";
       if (ImGui::Checkbox(label.c_str(), &only_conflicts_)) filter();
       ImGui::PopStyleColor();
     }
@@ -237,7 +242,8 @@ class FixturesPanel final : public Panel {
     ImGui::TableNextColumn();
     if (conflict) {
       ui_text(kUiRed, row.addresses + " !");
-      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", fixtures::text_of(*conflict, desk.edited()).c_str());
+      if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("%s", tr_known(fixtures::text_of(*conflict, desk.edited())).c_str());
     } else {
       ui_text(row.addresses);
     }

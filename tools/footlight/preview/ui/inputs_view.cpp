@@ -1,13 +1,15 @@
 #include "tools/footlight/preview/ui/inputs_view.h"
 
-#include "sim/core/counted.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
 std::string made_up_words(const InputsView& view) {
-  if (view.dark_by_hand) return "BLACKOUT by hand";
+  if (view.dark_by_hand) return tr("BLACKOUT by hand");
   if (view.made_up.empty()) return "";
-  return "MADE UP: " + (view.made_up.size() == 1 ? view.made_up.front() : counted(view.made_up.size(), "input"));
+  const std::size_t count = view.made_up.size();
+  return count == 1 ? trf("MADE UP: {}", view.made_up.front())
+                    : trf_n("MADE UP: {} input", "MADE UP: {} inputs", count, count);
 }
 
 }  // namespace footlight::tools

@@ -19,9 +19,11 @@
 #include "tools/footlight/preview/ui/channel_reading.h"
 #include "tools/footlight/preview/ui/draw_controls.h"
 #include "tools/footlight/preview/ui/draw_wheels.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 #include "tools/footlight/trace/head_trace.h"
 
 namespace footlight::tools {
@@ -70,7 +72,7 @@ class InspectorPanel final : public Panel {
     draw_buttons(desk);
     if (lead_ < 0) {
       ImGui::PushTextWrapPos(0);
-      ui_text(kUiDim, "Nothing is selected. Click a fixture in the picture or in the list of fixtures (F3).");
+      ui_text(kUiDim, tr("Nothing is selected. Click a fixture in the picture or in the list of fixtures (F3)."));
       ImGui::PopTextWrapPos();
       return;
     }
@@ -80,7 +82,7 @@ class InspectorPanel final : public Panel {
     controls_.draw(desk, input, lead_, simulated_aim());
     draw_channels(desk, input);
     wheels_.draw(desk, input, lead_);
-    if (ImGui::CollapsingHeader("Simulated now", ImGuiTreeNodeFlags_DefaultOpen)) draw_heads(input);
+    if (ImGui::CollapsingHeader(tr_label("Simulated now"), ImGuiTreeNodeFlags_DefaultOpen)) draw_heads(input);
   }
 
  private:
@@ -126,14 +128,14 @@ class InspectorPanel final : public Panel {
 
   static void draw_buttons(UiDesk& desk) {
     bool highlight = desk.highlights();
-    if (ImGui::Checkbox("highlight (L)", &highlight)) desk.set_highlight(highlight);
+    if (ImGui::Checkbox(tr_label("highlight (L)"), &highlight)) desk.set_highlight(highlight);
     ImGui::SameLine();
     bool locate = desk.locates();
-    if (ImGui::Checkbox("locate (Shift+L)", &locate)) desk.set_locate(locate);
+    if (ImGui::Checkbox(tr_label("locate (Shift+L)"), &locate)) desk.set_locate(locate);
     ImGui::SameLine();
     const std::size_t taken = desk.state().taken.size();
     ImGui::BeginDisabled(taken == 0);
-    if (ImGui::Button(fmt::format("release all {} (R)###release", taken).c_str())) desk.release_all();
+    if (ImGui::Button((trf("release all {} (R)", taken) + "###release").c_str())) desk.release_all();
     ImGui::EndDisabled();
   }
 
@@ -143,24 +145,23 @@ class InspectorPanel final : public Panel {
     ui_text(kUiAmber, one.name);
     if (const std::size_t count = desk.state().selection.fixtures.size(); count > 1) {
       ImGui::SameLine();
-      ui_text(kUiDim, fmt::format("and {} more; controls set them all", count - 1));
+      ui_text(kUiDim, trf("and {} more; controls set them all", count - 1));
     }
     ImGui::PushTextWrapPos(0);
     ui_text(kUiDim, fmt::format("{} {}, {}", type.manufacturer, type.name, mode().name));
     const fixtures::PatchedFixture& edited = desk.edited().fixtures[static_cast<std::size_t>(lead_)];
     const glm::dvec3 at_m = fixtures::position_of(edited);
-    ui_text(kUiDim,
-            fmt::format("{}  at {:.2f} {:.2f} {:.2f} m",
-                        edited.patched ? fixtures::text_of_patch(edited) : "no address", at_m.x, at_m.y, at_m.z));
+    ui_text(kUiDim, trf("{}  at {:.2f} {:.2f} {:.2f} m",
+                        edited.patched ? fixtures::text_of_patch(edited) : tr("no address"), at_m.x, at_m.y, at_m.z));
     ImGui::PopTextWrapPos();
   }
 
   // Position and rotation. A change moves all selected fixtures by as much, or sets them all to the same number.
   void draw_place(UiDesk& desk) {
-    if (!ImGui::CollapsingHeader("Place", ImGuiTreeNodeFlags_DefaultOpen)) return;
+    if (!ImGui::CollapsingHeader(tr_label("Place"), ImGuiTreeNodeFlags_DefaultOpen)) return;
     const auto& one = desk.edited().fixtures[static_cast<std::size_t>(lead_)];
     const bool several = desk.selected().size() > 1;
-    if (several) ImGui::Checkbox("the same for all", &same_);
+    if (several) ImGui::Checkbox(tr_label("the same for all"), &same_);
     const bool same = several && same_;
     // Of one axis that was changed: by how much, and to what.
     const auto drag = [](const char* label, const glm::dvec3& shown, float speed, const char* format, int& axis) {
@@ -199,13 +200,13 @@ class InspectorPanel final : public Panel {
   }
 
   static void put(UiDesk& desk, Result<fixtures::RigEdit> edit) {
-    if (const Status edited = desk.edit(std::move(edit)); !edited) desk.tell(edited.error().message);
+    if (const Status edited = desk.edit(std::move(edit)); !edited) desk.tell(tr_known(edited.error().message));
   }
 
   void draw_channels(UiDesk& desk, const UiInput& input) {
     const auto& channels = mode().channels;
     if (channels.empty()) {
-      ui_text(kUiDim, "This mode has no channels.");
+      ui_text(kUiDim, tr("This mode has no channels."));
       return;
     }
     constexpr ImGuiTableFlags kFlags =
@@ -216,11 +217,11 @@ class InspectorPanel final : public Panel {
     const float height = std::min(wanted, std::max(room - 6 * line, std::min(room, 7 * line)));
     if (!ImGui::BeginTable("channels", 5, kFlags, {0, height})) return;
     ImGui::TableSetupScrollFreeze(0, 1);
-    ImGui::TableSetupColumn("Channel", ImGuiTableColumnFlags_WidthStretch, 1.1f);
-    ImGui::TableSetupColumn("Value", ImGuiTableColumnFlags_WidthStretch, 1.9f);
-    ImGui::TableSetupColumn("Level", ImGuiTableColumnFlags_WidthStretch, 0.6f);
-    ImGui::TableSetupColumn("Slot", ImGuiTableColumnFlags_WidthStretch, 0.6f);
-    ImGui::TableSetupColumn("From", ImGuiTableColumnFlags_WidthStretch, 0.7f);
+    ImGui::TableSetupColumn(tr("Channel"), ImGuiTableColumnFlags_WidthStretch, 1.1f);
+    ImGui::TableSetupColumn(tr("Value"), ImGuiTableColumnFlags_WidthStretch, 1.9f);
+    ImGui::TableSetupColumn(tr("Level"), ImGuiTableColumnFlags_WidthStretch, 0.6f);
+    ImGui::TableSetupColumn(tr("Slot"), ImGuiTableColumnFlags_WidthStretch, 0.6f);
+    ImGui::TableSetupColumn(tr("From"), ImGuiTableColumnFlags_WidthStretch, 0.7f);
     ImGui::TableHeadersRow();
     ImGuiListClipper clipper;
     clipper.Begin(static_cast<int>(channels.size()), line);
@@ -253,7 +254,7 @@ class InspectorPanel final : public Panel {
     ImGui::TableNextColumn();
     if (taken) {
       if (ImGui::SmallButton("x")) desk.release(key, input.levels);
-      if (ImGui::IsItemHovered()) ImGui::SetTooltip("release: the input sets it again");
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("release: the input sets it again"));
       ImGui::SameLine(0, 4);
     }
     ui_text(kUiDim, place ? fmt::format("{}.{}", place->universe, place->address) : "-");
@@ -268,7 +269,7 @@ class InspectorPanel final : public Panel {
     ui_text(own ? kUiGreen : source.silent || source.kind == SourceKind::kNobody ? kUiRed : kUiDim, source.brief);
     if (!ImGui::IsItemHovered()) return;
     const std::string age =
-        source.age_ns > 0 ? fmt::format("\nnewest frame {:.1f} s ago", static_cast<double>(source.age_ns) * 1e-9) : "";
+        source.age_ns > 0 ? trf("\nnewest frame {:.1f} s ago", static_cast<double>(source.age_ns) * 1e-9) : "";
     ImGui::SetTooltip("%s%s", source.words.c_str(), age.c_str());
   }
 
@@ -371,7 +372,7 @@ class InspectorPanel final : public Panel {
       const fixtures::ChannelSet& set = function.sets[i];
       if (set.name.empty() && set.wheel_slot < 1) continue;
       ImGui::PushID(static_cast<int>(i));
-      entry(set.name.empty() ? fmt::format("slot {}", set.wheel_slot) : set.name, set.dmx_from, set.dmx_to, "    ");
+      entry(set.name.empty() ? trf("slot {}", set.wheel_slot) : set.name, set.dmx_from, set.dmx_to, "    ");
       ImGui::PopID();
     }
     ImGui::PopID();
@@ -380,13 +381,13 @@ class InspectorPanel final : public Panel {
   // The values that the motors, lamps and shutters of a head have reached.
   void draw_heads(const UiInput& input) {
     if (!trace_) {
-      ui_text(kUiDim, "This fixture has no beam.");
+      ui_text(kUiDim, tr("This fixture has no beam."));
       return;
     }
     if (heads_.size() > 1) {
       ImGui::SetNextItemWidth(-1);
       int shown = static_cast<int>(head_) + 1;
-      if (ImGui::SliderInt("##head", &shown, 1, static_cast<int>(heads_.size()), "head %d",
+      if (ImGui::SliderInt("##head", &shown, 1, static_cast<int>(heads_.size()), tr_printf("head %d"),
                            ImGuiSliderFlags_AlwaysClamp)) {
         head_ = static_cast<std::size_t>(shown - 1);
         start_trace();
@@ -405,7 +406,7 @@ class InspectorPanel final : public Panel {
       const double number = std::holds_alternative<float>(value) ? static_cast<double>(std::get<float>(value))
                                                                  : static_cast<double>(std::get<std::int64_t>(value));
       ImGui::TableNextColumn();
-      ui_text(kUiDim, words.name);
+      ui_text(kUiDim, tr(words.name.c_str()));
       ImGui::TableNextColumn();
       ui_text(std::abs(number) >= 1000 ? fmt::format("{:.0f} {}", number, words.unit)
                                        : fmt::format("{:.4g} {}", number, words.unit));

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "tools/footlight/monitor/slot_changes.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
@@ -24,9 +25,9 @@ void add_senders(const UiInput& input, Universe universe, LevelSource& source) {
         continue;
       }
       brief += (brief.empty() ? "" : " + ") + sender.name;
-      words += fmt::format("{}{} (priority {})", words.empty() ? "" : " + ", sender.name, sender.priority);
+      words += (words.empty() ? "" : " + ") + trf("{} (priority {})", sender.name, sender.priority);
     }
-    if (losers > 0) words += fmt::format(", {} outranked", losers);
+    if (losers > 0) words += trf(", {} outranked", losers);
     words += fmt::format("  {:.0f} /s", one.rate_hz);
   }
   if (words.empty()) return;
@@ -39,17 +40,17 @@ void add_senders(const UiInput& input, Universe universe, LevelSource& source) {
 LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::size_t universe) {
   const auto& universes = desk.compiled().universes;
   if (universe >= input.stamps.size()) {
-    LevelSource source{SourceKind::kFaders, "faders", "faders of the window"};
+    LevelSource source{SourceKind::kFaders, tr("faders"), tr("faders of the window")};
     if (input.transport != nullptr) {
-      source = {SourceKind::kLog, "log", "the log"};
+      source = {SourceKind::kLog, tr("log"), tr("the log")};
     } else if (input.status != nullptr) {
-      source = {SourceKind::kLive, "input", "levels as the fixtures get them"};
+      source = {SourceKind::kLive, tr("input"), tr("levels as the fixtures get them")};
     }
     if (universe < universes.size()) add_senders(input, universes[universe], source);  // with what is set by hand
     return source;
   }
   const FrameStamp& stamp = input.stamps[universe];
-  if (stamp.revision == 0) return {SourceKind::kNobody, "no frames", "no frames yet"};
+  if (stamp.revision == 0) return {SourceKind::kNobody, tr("no frames"), tr("no frames yet")};
   LevelSource source{SourceKind::kLive};
   source.age_ns = std::max<DurationNs>(input.now_ns - stamp.stamp_ns, 0);
   add_senders(input, universes[universe], source);
@@ -60,11 +61,11 @@ LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::si
 
 LevelSource source_of_channel(UiDesk& desk, const UiInput& input, ChannelKey key) {
   const auto place = desk.index().place(key);
-  if (!place) return {SourceKind::kMadeUp, "default", "it has no address: the default of its file"};
+  if (!place) return {SourceKind::kMadeUp, tr("default"), tr("it has no address: the default of its file")};
   switch (desk.writes(key)) {
-    case UiDesk::Writes::kTaken: return {SourceKind::kTaken, "you", "taken over in this window"};
-    case UiDesk::Writes::kHighlight: return {SourceKind::kHighlight, "highlight", "Highlight of this window"};
-    case UiDesk::Writes::kLocate: return {SourceKind::kHighlight, "locate", "Locate of this window"};
+    case UiDesk::Writes::kTaken: return {SourceKind::kTaken, tr("you"), tr("taken over in this window")};
+    case UiDesk::Writes::kHighlight: return {SourceKind::kHighlight, tr("highlight"), tr("Highlight of this window")};
+    case UiDesk::Writes::kLocate: return {SourceKind::kHighlight, tr("locate"), tr("Locate of this window")};
     case UiDesk::Writes::kNothing: break;
   }
   const auto& universes = desk.compiled().universes;

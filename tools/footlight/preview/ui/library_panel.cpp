@@ -17,11 +17,12 @@
 #include "fixtures/edit/add_fixtures.h"
 #include "fixtures/files/definition_list.h"
 #include "fixtures/files/definition_reader.h"
-#include "sim/core/counted.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/new_place.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -39,7 +40,8 @@ enum LibraryColumn : int {
   kLibraryFile,
   kLibraryCount
 };
-constexpr std::array<const char*, kLibraryCount> kLibraryHeads{"Maker", "Name", "Kind", "Modes", "Slots", "File"};
+constexpr std::array<const char*, kLibraryCount> kLibraryHeads{tr_mark("Maker"), tr_mark("Name"),  tr_mark("Kind"),
+                                                               tr_mark("Modes"), tr_mark("Slots"), tr_mark("File")};
 constexpr std::array<float, kLibraryCount> kLibraryWidths{110, 160, 115, 46, 58, 200};
 
 // "14", "8 - 24"
@@ -58,7 +60,7 @@ std::string span_of_slots(const fixtures::Definition& one) {
 std::string slots_text(const fixtures::Channel& channel) {
   std::string slots;
   for (const int offset : channel.slot_offsets) slots += fmt::format("{}{}", slots.empty() ? "" : ", ", offset + 1);
-  if (channel.dmx_break > 1) slots += fmt::format(" of break {}", channel.dmx_break);
+  if (channel.dmx_break > 1) slots += trf(" of break {}", channel.dmx_break);
   return slots.empty() ? "-" : slots;
 }
 
@@ -106,21 +108,21 @@ class LibraryPanel final : public Panel {
 
   void draw_search(const UiInput& input) {
     ImGui::SetNextItemWidth(240 * input.scale);
-    if (ImGui::InputTextWithHint("##words", "maker, name, kind, mode", words_.data(), words_.size(), kSelects))
+    if (ImGui::InputTextWithHint("##words", tr("maker, name, kind, mode"), words_.data(), words_.size(), kSelects))
       search();
     ImGui::SameLine();
-    std::string text = fmt::format("{} of {}", shown_.size(), counted(list_.size(), "definition"));
-    if (broken_ > 0) text += fmt::format(", {} cannot be read", broken_);
+    std::string text = trf_n("{} of {} definition", "{} of {} definitions", list_.size(), shown_.size(), list_.size());
+    if (broken_ > 0) text += trf(", {} cannot be read", broken_);
     ui_text(kUiDim, text);
     if (reader_) {
       ImGui::SameLine();
-      ui_text(kUiAmber,
-              state_.all == 0 ? "searching folders" : fmt::format("reading {} of {}", state_.done, state_.all));
+      ui_text(kUiAmber, state_.all == 0 ? std::string(tr("searching folders"))
+                                        : trf("reading {} of {}", state_.done, state_.all));
       ImGui::SameLine();
-      if (ImGui::SmallButton("stop")) reader_->stop();
+      if (ImGui::SmallButton(tr_label("stop"))) reader_->stop();
     } else if (state_.done < state_.all) {
       ImGui::SameLine();
-      ui_text(kUiAmber, fmt::format("stopped after {} of {} files", state_.done, state_.all));
+      ui_text(kUiAmber, trf("stopped after {} of {} files", state_.done, state_.all));
     }
     for (const std::string& note : state_.notes) ui_text(kUiAmber, note);
   }
@@ -131,7 +133,7 @@ class LibraryPanel final : public Panel {
                                        ImGuiTableFlags_SizingFixedFit;
     if (!ImGui::BeginTable("definitions", kLibraryCount, kFlags)) return;
     for (std::size_t i = 0; i < kLibraryHeads.size(); ++i) {
-      ImGui::TableSetupColumn(kLibraryHeads[i],
+      ImGui::TableSetupColumn(tr(kLibraryHeads[i]),
                               i == kLibraryName ? ImGuiTableColumnFlags_NoHide : ImGuiTableColumnFlags_None,
                               kLibraryWidths[i] * input.scale);
     }
@@ -161,7 +163,7 @@ class LibraryPanel final : public Panel {
       ui_text(kUiRed, one.file.model);
     }
     ImGui::TableNextColumn();
-    ui_text(one.error.empty() ? one.kind : "cannot be read");
+    ui_text(one.error.empty() ? tr(one.kind.c_str()) : tr("cannot be read"));
     ImGui::TableNextColumn();
     if (!one.modes.empty()) ui_text(std::to_string(one.modes.size()));
     ImGui::TableNextColumn();
@@ -183,21 +185,21 @@ class LibraryPanel final : public Panel {
     if (type) {
       row_.type = std::make_shared<const fixtures::FixtureType>(std::move(*type));
     } else {
-      error_ = type.error().message;
+      error_ = tr_known(type.error().message);
     }
   }
 
   void draw_details(UiDesk& desk, const UiInput& input) {
     if (chosen_ < 0) {
-      ui_text(kUiDim, "Click a definition.");
+      ui_text(kUiDim, tr("Click a definition."));
       return;
     }
     const fixtures::Definition& one = list_.at(chosen_);
     ui_text(kUiAmber, fmt::format("{} {}", one.file.manufacturer, one.file.model));
     ImGui::PushTextWrapPos(0);
-    std::string about = one.file.format == "built" ? "built in" : one.file.format;
-    if (!one.kind.empty()) about += ", " + one.kind;
-    if (one.gobos > 0) about += ", " + counted(static_cast<std::size_t>(one.gobos), "gobo");
+    std::string about = one.file.format == "built" ? tr("built in") : one.file.format;
+    if (!one.kind.empty()) about += fmt::format(", {}", tr(one.kind.c_str()));
+    if (one.gobos > 0) about += trf_n(", {} gobo", ", {} gobos", one.gobos, one.gobos);
     ui_text(about);
     ui_text(kUiDim, one.file.path);
     if (row_.type == nullptr) {
@@ -210,7 +212,7 @@ class LibraryPanel final : public Panel {
     if (desk.can_edit()) {
       draw_fields(desk, input);
     } else {
-      ui_text(kUiDim, "This rig cannot be edited.");
+      ui_text(kUiDim, tr("This rig cannot be edited."));
     }
     draw_channels(input.scale);
   }
@@ -218,13 +220,13 @@ class LibraryPanel final : public Panel {
   [[nodiscard]] const fixtures::Mode& mode() const { return row_.type->modes[static_cast<std::size_t>(row_.mode)]; }
 
   static std::string text_of(const fixtures::Mode& mode) {
-    return fmt::format("{}: {}, {}", mode.name, counted(static_cast<std::size_t>(mode.slot_count), "slot"),
-                       counted(mode.channels.size(), "channel"));
+    return fmt::format("{}: {}, {}", mode.name, trf_n("{} slot", "{} slots", mode.slot_count, mode.slot_count),
+                       trf_n("{} channel", "{} channels", mode.channels.size(), mode.channels.size()));
   }
 
   void draw_mode(const UiInput& input) {
     ImGui::SetNextItemWidth(240 * input.scale);
-    if (!ImGui::BeginCombo("mode", text_of(mode()).c_str())) return;
+    if (!ImGui::BeginCombo(tr_label("mode"), text_of(mode()).c_str())) return;
     for (std::size_t i = 0; i < row_.type->modes.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
       if (ImGui::Selectable(text_of(row_.type->modes[i]).c_str(), static_cast<int>(i) == row_.mode)) {
@@ -239,26 +241,29 @@ class LibraryPanel final : public Panel {
   void draw_fields(UiDesk& desk, const UiInput& input) {
     bool changed = false;
     ImGui::SetNextItemWidth(110 * input.scale);
-    changed = ImGui::InputInt("count", &row_.count) || changed;
+    changed = ImGui::InputInt(tr_label("count"), &row_.count) || changed;
     row_.count = std::clamp(row_.count, 1, kAddedMax);
     ImGui::SetNextItemWidth(240 * input.scale);
     changed =
-        ImGui::InputTextWithHint("name", row_.type->name.c_str(), name_.data(), name_.size(), kSelects) || changed;
+        ImGui::InputTextWithHint(tr_label("name"), row_.type->name.c_str(), name_.data(), name_.size(), kSelects) ||
+        changed;
     ImGui::SetNextItemWidth(110 * input.scale);
-    changed = ImGui::InputTextWithHint("address", "first free", address_.data(), address_.size(), kSelects) || changed;
+    changed =
+        ImGui::InputTextWithHint(tr_label("address"), tr("first free"), address_.data(), address_.size(), kSelects) ||
+        changed;
     if (address_[0] != '\0') {
       ImGui::SameLine();
-      changed = ImGui::Checkbox("skip slots of others", &only_free_) || changed;
+      changed = ImGui::Checkbox(tr_label("skip slots of others"), &only_free_) || changed;
     }
     const auto numbers = [&](const char* label, std::array<double, 3>& values) {
       ImGui::SetNextItemWidth(240 * input.scale);
       changed = ImGui::InputScalarN(label, ImGuiDataType_Double, values.data(), 3, nullptr, nullptr, "%.2f") || changed;
     };
-    numbers("position, m", position_m_);
-    numbers("apart, m", apart_m_);
+    numbers(tr_label("position, m"), position_m_);
+    numbers(tr_label("apart, m"), apart_m_);
     if (changed || !planned_ || planned_count_ != desk.shown_count()) plan(desk);
     ImGui::BeginDisabled(!error_.empty());
-    if (ImGui::Button("Add")) add(desk);
+    if (ImGui::Button(tr_label("Add"))) add(desk);
     ImGui::EndDisabled();
     ImGui::SameLine();
     ImGui::PushTextWrapPos(0);
@@ -279,21 +284,21 @@ class LibraryPanel final : public Panel {
     if (address_[0] != '\0') {
       const auto place = fixtures::parse_patch(address_.data(), 1);
       if (!place) {
-        error_ = place.error().message;
+        error_ = tr_known(place.error().message);
         return;
       }
       row_.address = *place;
     }
     const auto edit = fixtures::add_fixtures(desk.edited(), row_);
     if (!edit) {
-      error_ = edit.error().message;
+      error_ = tr_known(edit.error().message);
       return;
     }
     const fixtures::PatchedFixture& first = edit->added.front().value;
     const fixtures::PatchedFixture& last = edit->added.back().value;
-    plan_ = row_.count == 1 ? fmt::format("{} at {}", first.name, fixtures::text_of_patch(first))
-                            : fmt::format("{} to {}, {} to {}", first.name, last.name, fixtures::text_of_patch(first),
-                                          fixtures::text_of_patch(last));
+    plan_ = row_.count == 1 ? trf("{} at {}", first.name, fixtures::text_of_patch(first))
+                            : trf("{} to {}, {} to {}", first.name, last.name, fixtures::text_of_patch(first),
+                                  fixtures::text_of_patch(last));
   }
 
   void add(UiDesk& desk) {
@@ -301,10 +306,11 @@ class LibraryPanel final : public Panel {
     const Status added = desk.add(row_);
     desk.begin_gesture();
     if (!added) {
-      desk.tell(added.error().message);
+      desk.tell(tr_known(added.error().message));
       return;
     }
-    desk.tell(fmt::format("added {} (Ctrl+Z takes {} back)", plan_, row_.count == 1 ? "it" : "them"));
+    desk.tell(row_.count == 1 ? trf("added {} (Ctrl+Z takes it back)", plan_)
+                              : trf("added {} (Ctrl+Z takes them back)", plan_));
     for (std::size_t i = 0; i < position_m_.size(); ++i) position_m_[i] += row_.count * apart_m_[i];
     address_.fill(0);  // it is taken now
     planned_ = false;

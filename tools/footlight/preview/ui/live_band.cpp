@@ -7,6 +7,7 @@
 
 #include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -58,7 +59,7 @@ void draw_made_up_tag(const InputsView& made_up, float stage_width, float y) {
 }
 
 void draw_recording_mark(DurationNs elapsed_ns, float scale) {
-  const std::string words = "REC " + time_text(elapsed_ns);
+  const std::string words = trf("REC {}", time_text(elapsed_ns));
   ImDrawList& draw = *ImGui::GetForegroundDrawList();
   const float size = ImGui::GetFontSize();
   const float pad = size * 0.4f;

@@ -9,6 +9,7 @@
 #include "fixtures/files/import/archive.h"
 #include "fixtures/files/toml/toml_reader.h"
 #include "fixtures/files/toml/toml_text.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -43,7 +44,7 @@ Result<Markers> with_marker(const Markers& markers, TimeNs at_ns) {
   const auto taken = [&](const Marker& one) { return one.name == added.name; };
   int number = 1;
   do {
-    added.name = fmt::format("Marker {}", number++);
+    added.name = trf("Marker {}", number++);
   } while (std::any_of(markers.begin(), markers.end(), taken));
   Markers after = markers;
   after.insert(std::upper_bound(after.begin(), after.end(), added, earlier), added);

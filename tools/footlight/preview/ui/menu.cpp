@@ -14,6 +14,7 @@
 
 #include "tools/footlight/preview/ui/actions.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -28,12 +29,12 @@ void draw_rows(UiMenu menu, const UiDesk& desk, const OutputsView* outputs, std:
                          (row.call.action == UiAction::kFly && desk.fly().on()) ||
                          (row.call.action == UiAction::kFloorLines && desk.floor_lines());
     const std::string label = fmt::format("{}###{}", label_of(row, desk), row.keys);
-    if (ImGui::MenuItem(label.c_str(), row.keys, checked, is_possible(row, desk, true, outputs))) chosen = row.call;
+    if (ImGui::MenuItem(label.c_str(), tr(row.keys), checked, is_possible(row, desk, true, outputs))) chosen = row.call;
   }
 }
 
 void draw_recent(const UiDesk& desk, std::optional<UiCall>& chosen) {
-  ui_text(kUiDim, "Open again");
+  ui_text(kUiDim, tr("Open again"));
   for (std::size_t i = 0; i < desk.recent_rigs().size(); ++i) {
     const std::string& path = desk.recent_rigs()[i];
     const std::string name = std::filesystem::path(path).filename().string();
@@ -56,8 +57,9 @@ void draw_station(const ExchangeView::Station& station, ExchangeView& exchange) 
       station.program.empty() ? station.name : fmt::format("{} ({})", station.name, station.program);
   ui_text(station.joined ? kUiAmber : kUiDim, title);
   if (!station.trouble.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", station.trouble.c_str());
-  if (!station.joined) return ui_text(kUiDim, station.trouble.empty() ? "  asked ..." : "  does not answer");
-  if (station.files.empty() && ImGui::MenuItem("  its newest file")) exchange.receive = {{station.address, "", ""}};
+  if (!station.joined) return ui_text(kUiDim, station.trouble.empty() ? tr("  asked ...") : tr("  does not answer"));
+  if (station.files.empty() && ImGui::MenuItem(tr_label("  its newest file")))
+    exchange.receive = {{station.address, "", ""}};
   for (auto file = station.files.rbegin(); file != station.files.rend(); ++file) {
     ImGui::PushID(file->uuid.c_str());
     if (ImGui::MenuItem(fmt::format("  {}###file", words_of(*file)).c_str())) {
@@ -70,11 +72,12 @@ void draw_station(const ExchangeView::Station& station, ExchangeView& exchange) 
 void draw_stations(ExchangeView& exchange) {
   exchange.looks = true;
   if (!exchange.receiving.empty()) {
-    ui_text(kUiAmber, "receiving " + exchange.receiving);
-    if (ImGui::MenuItem("stop")) exchange.stop_receiving = true;
+    ui_text(kUiAmber, trf("receiving {}", exchange.receiving));
+    if (ImGui::MenuItem(tr_label("stop"))) exchange.stop_receiving = true;
     ImGui::Separator();
   }
-  if (exchange.stations.empty()) ui_text(kUiDim, exchange.trouble.empty() ? "looking for stations ..." : "no station");
+  if (exchange.stations.empty())
+    ui_text(kUiDim, exchange.trouble.empty() ? tr("looking for stations ...") : tr("no station"));
   if (!exchange.trouble.empty()) {
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
     ui_text(kUiRed, exchange.trouble);
@@ -93,25 +96,25 @@ void draw_stations(ExchangeView& exchange) {
                                                 ImGuiInputTextFlags_EnterReturnsTrue);
   exchange.address_text = text.data();
   ImGui::SameLine();
-  if ((ImGui::Button("add") || entered) && !exchange.address_text.empty()) {
+  if ((ImGui::Button(tr_label("add")) || entered) && !exchange.address_text.empty()) {
     exchange.add = std::exchange(exchange.address_text, {});
   }
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("A station that is not found, by its address.");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("A station that is not found, by its address."));
 }
 
 void draw_exchange(ExchangeView& exchange) {
-  if (ImGui::BeginMenu("Receive a rig")) {
+  if (ImGui::BeginMenu(tr_label("Receive a rig"))) {
     draw_stations(exchange);
     ImGui::EndMenu();
   }
-  if (exchange.makes) return ui_text(kUiDim, "making the file to share ...");
+  if (exchange.makes) return ui_text(kUiDim, tr("making the file to share ..."));
   if (exchange.sharing.empty()) {
-    if (ImGui::MenuItem("Share this rig on the network")) exchange.share = true;
+    if (ImGui::MenuItem(tr_label("Share this rig on the network"))) exchange.share = true;
     return;
   }
-  if (ImGui::MenuItem("Share this rig anew")) exchange.share = true;
-  if (ImGui::MenuItem("Stop sharing")) exchange.stop_sharing = true;
-  ui_text(kUiDim, "shared: " + exchange.sharing);
+  if (ImGui::MenuItem(tr_label("Share this rig anew"))) exchange.share = true;
+  if (ImGui::MenuItem(tr_label("Stop sharing"))) exchange.stop_sharing = true;
+  ui_text(kUiDim, trf("shared: {}", exchange.sharing));
 }
 
 void draw_file(const UiDesk& desk, ExchangeView* exchange, std::optional<UiCall>& chosen) {
@@ -122,7 +125,7 @@ void draw_file(const UiDesk& desk, ExchangeView* exchange, std::optional<UiCall>
 
 void draw_panel_rows(const UiPanels& open, std::optional<UiCall>& chosen) {
   for (std::size_t i = 0; i < panels().size(); ++i) {
-    if (ImGui::MenuItem(panels()[i].title, panels()[i].key_text, open.is_open(i))) {
+    if (ImGui::MenuItem(tr_label(panels()[i].title), tr(panels()[i].key_text), open.is_open(i))) {
       chosen = UiCall{UiAction::kPanel, static_cast<int>(i)};
     }
   }
@@ -141,7 +144,7 @@ ImVec2 menu_spacing(std::span<const Menu> menus) {
   int count = 0;
   for (const Menu& menu : menus) {
     if (!menu.is_there) continue;
-    text_px += ImGui::CalcTextSize(menu.title).x;
+    text_px += ImGui::CalcTextSize(menu.title, nullptr, true).x;
     ++count;
   }
   const ImVec2 usual = ImGui::GetStyle().ItemSpacing;
@@ -155,13 +158,13 @@ std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool h
                                 ExchangeView* exchange) {
   std::optional<UiCall> chosen;
   const auto rows = [&](UiMenu menu) { return [&, menu] { draw_rows(menu, desk, outputs, chosen); }; };
-  const std::array<Menu, 6> menus{
-      {{"File", exchange != nullptr || !desk.recent_rigs().empty(), [&] { draw_file(desk, exchange, chosen); }},
-       {"Panels", true, [&] { draw_panel_rows(open, chosen); }},
-       {"Edit", true, rows(UiMenu::kEdit)},
-       {"View", true, rows(UiMenu::kView)},
-       {"Play", has_log, rows(UiMenu::kPlayback)},
-       {"Outputs", outputs != nullptr, rows(UiMenu::kOutputs)}}};
+  const std::array<Menu, 6> menus{{{tr_label("File"), exchange != nullptr || !desk.recent_rigs().empty(),
+                                    [&] { draw_file(desk, exchange, chosen); }},
+                                   {tr_label("Panels"), true, [&] { draw_panel_rows(open, chosen); }},
+                                   {tr_label("Edit"), true, rows(UiMenu::kEdit)},
+                                   {tr_label("View"), true, rows(UiMenu::kView)},
+                                   {tr_label("Play"), has_log, rows(UiMenu::kPlayback)},
+                                   {tr_label("Outputs"), outputs != nullptr, rows(UiMenu::kOutputs)}}};
   ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, menu_spacing(menus));
   for (const Menu& menu : menus) {
     if (!menu.is_there || !ImGui::BeginMenu(menu.title)) continue;

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/footlight/preview/ui/words.h"
+
 namespace footlight::tools {
 
 void MessageLog::add(std::string text, bool wrong, std::string time, TimeNs now_ns) {
@@ -30,7 +32,8 @@ std::vector<const Message*> MessageLog::shown(TimeNs now_ns) const {
 }
 
 std::string text_of(const Message& message) {
-  return message.count == 1 ? message.text : fmt::format("{} ({} times)", message.text, message.count);
+  return message.count == 1 ? message.text
+                            : trf_n("{} ({} time)", "{} ({} times)", message.count, message.text, message.count);
 }
 
 }  // namespace footlight::tools

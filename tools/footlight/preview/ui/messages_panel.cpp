@@ -6,6 +6,7 @@
 #include "tools/footlight/preview/ui/messages.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -14,11 +15,11 @@ class MessagesPanel final : public Panel {
  public:
   void draw(UiDesk&, const UiInput& input) override {
     if (input.messages == nullptr || input.messages->all().empty()) {
-      ui_text(kUiDim, "There was no message yet.");
+      ui_text(kUiDim, tr("There was no message yet."));
       return;
     }
     const auto& all = input.messages->all();
-    if (ImGui::SmallButton("copy all")) {
+    if (ImGui::SmallButton(tr_label("copy all"))) {
       std::string text;
       for (const Message& one : all) text += one.time + " " + text_of(one) + "\n";
       ImGui::SetClipboardText(text.c_str());

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "sim/core/counted.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
@@ -30,21 +30,23 @@ void OutputsView::disarm_all() {
 }
 
 std::string live_words(const OutputsView& view) {
-  const auto count = static_cast<std::int64_t>(view.live_count());
+  const std::size_t count = view.live_count();
   const bool real = std::any_of(view.rows.begin(), view.rows.end(),
                                 [](const OutputRow& row) { return row.state == ArmState::kArmed && !row.made_up; });
   if (view.darkness == Darkness::kNone) {
-    return count == 0 ? "" : fmt::format("LIVE: {}{}", counted(count, "output"), real ? "" : " (made up)");
+    if (count == 0) return "";
+    return real ? trf_n("LIVE: {} output", "LIVE: {} outputs", count, count)
+                : trf_n("LIVE: {} output (made up)", "LIVE: {} outputs (made up)", count, count);
   }
-  if (count == 0) return "BLACKOUT: no output is armed";
-  return fmt::format("BLACKOUT: {} {} zeros", counted(count, "output"), count == 1 ? "sends" : "send");
+  if (count == 0) return tr("BLACKOUT: no output is armed");
+  return trf_n("BLACKOUT: {} output sends zeros", "BLACKOUT: {} outputs send zeros", count, count);
 }
 
 std::string blackout_words(const OutputsView& view) {
   switch (view.darkness) {
     case Darkness::kNone: return "";
-    case Darkness::kAsked: return "Shift+B ends it";
-    case Darkness::kSilence: return "The window gave no levels for 2.5 s. Shift+B ends it";
+    case Darkness::kAsked: return tr("Shift+B ends it");
+    case Darkness::kSilence: return tr("The window gave no levels for 2.5 s. Shift+B ends it");
   }
   return "";
 }

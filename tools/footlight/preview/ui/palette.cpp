@@ -1,7 +1,6 @@
 #include "tools/footlight/preview/ui/palette.h"
 
 #include <algorithm>
-#include <cctype>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,6 +10,7 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -18,12 +18,6 @@ namespace {
 constexpr const char* kPalettePopup = "actions";
 constexpr float kPaletteWidth = 560;
 constexpr std::size_t kPaletteRows = 14;
-
-std::string small_letters(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return lower;
-}
 
 // Whether every word is in the text, in any order.
 bool has_words(const std::string& text, std::string_view words) {
@@ -62,7 +56,10 @@ std::optional<UiCall> Palette::draw_rows(bool entered, bool scrolls, float scale
   const std::size_t shown = std::clamp<std::size_t>(rows_.size(), 1, kPaletteRows);
   const float height = static_cast<float>(shown) * ImGui::GetTextLineHeightWithSpacing();
   if (ImGui::BeginChild("rows", {0, height})) {
-    const float keys_width = 150 * scale;
+    float keys_width = 150 * scale;
+    for (const UiActionItem& row : rows_) {
+      keys_width = std::max(keys_width, ImGui::CalcTextSize(row.keys.c_str()).x + ImGui::GetFontSize());
+    }
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const UiActionItem& row = rows_[i];
       ImGui::PushID(static_cast<int>(i));
@@ -79,7 +76,7 @@ std::optional<UiCall> Palette::draw_rows(bool entered, bool scrolls, float scale
       }
       ImGui::PopID();
     }
-    if (rows_.empty()) ui_text(kUiDim, "No action has these words.");
+    if (rows_.empty()) ui_text(kUiDim, tr("No action has these words."));
   }
   ImGui::EndChild();
   if (entered && marked_ < rows_.size() && rows_[marked_].possible) chosen = rows_[marked_].call;
@@ -102,7 +99,8 @@ std::optional<UiCall> Palette::draw(const UiDesk& desk, bool has_log, const Outp
   if (begins) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
   constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue;
-  const bool entered = ImGui::InputTextWithHint("##words", "words of an action", text_.data(), text_.size(), kFlags);
+  const bool entered =
+      ImGui::InputTextWithHint("##words", tr("words of an action"), text_.data(), text_.size(), kFlags);
   const bool edited = ImGui::IsItemEdited();
   search(desk, has_log, outputs);
   if (edited || begins) marked_ = 0;

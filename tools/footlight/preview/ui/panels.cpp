@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/footlight/preview/ui/words.h"
+
 #include "sim/core/check.h"
 
 namespace footlight::tools {
@@ -19,55 +21,67 @@ namespace {
 constexpr float kEdge = 8;  // between a panel and the edge of the stage
 
 constexpr std::array<PanelInfo, 9> kPanels{{
-    {"keys", "Keys", GLFW_KEY_F1, "F1, ?", "this list", {0.5f, 0.5f, 560, 620, 1}, make_keys_panel},
+    {"keys",
+     tr_mark("Keys"),
+     GLFW_KEY_F1,
+     "F1, ?",
+     tr_mark("this list"),
+     {0.5f, 0.5f, 560, 620, 1},
+     make_keys_panel},
     {"universes",
-     "Universes",
+     tr_mark("Universes"),
      GLFW_KEY_F2,
      "F2",
-     "the levels of a universe",
+     tr_mark("the levels of a universe"),
      {0, 1, 830, 430, 0.43f},
      make_universes_panel},
-    {"fixtures", "Fixtures", GLFW_KEY_F3, "F3", "the patch of the rig", {0, 0, 560, 420, 0.54f}, make_fixtures_panel},
+    {"fixtures",
+     tr_mark("Fixtures"),
+     GLFW_KEY_F3,
+     "F3",
+     tr_mark("the patch of the rig"),
+     {0, 0, 560, 420, 0.54f},
+     make_fixtures_panel},
     {"inspector",
-     "Inspector",
+     tr_mark("Inspector"),
      GLFW_KEY_F4,
      "F4",
-     "values and controls of what is selected",
+     tr_mark("values and controls of what is selected"),
      {1, 0, 420, 640, 0.54f},
      make_inspector_panel},
     {"timeline",
-     "Timeline",
+     tr_mark("Timeline"),
      GLFW_KEY_F5,
      "F5",
-     "the log in time: seek, speed, a part that repeats",
+     tr_mark("the log in time: seek, speed, a part that repeats"),
      {0.5f, 1, 900, 170, 0.3f},
      make_timeline_panel},
     {"devices",
-     "Devices",
+     tr_mark("Devices"),
      GLFW_KEY_F6,
      "F6",
-     "inputs and outputs; arms outputs to real lamps",
+     tr_mark("inputs and outputs; arms outputs to real lamps"),
      {0.5f, 0.5f, 700, 380, 0.6f},
      make_devices_panel},
     {"library",
-     "Library",
+     tr_mark("Library"),
      GLFW_KEY_F7,
      "F7",
-     "the installed definitions: add fixtures",
+     tr_mark("the installed definitions: add fixtures"),
      {0.5f, 0.5f, 900, 480, 0.8f},
      make_library_panel},
     {"messages",
-     "Messages",
+     tr_mark("Messages"),
      GLFW_KEY_F8,
      "F8",
-     "the last messages and errors of the window",
+     tr_mark("the last messages and errors of the window"),
      {0, 1, 560, 220, 0.4f},
      make_messages_panel},
     {"report",
-     "Report",
+     tr_mark("Report"),
      GLFW_KEY_F10,
      "F10",
-     "error and time of the picture, memory, what is left out",
+     tr_mark("error and time of the picture, memory, what is left out"),
      {1, 1, 620, 420, 0.6f},
      make_report_panel},
 }};
@@ -131,7 +145,7 @@ void UiPanels::draw(UiDesk& desk, const UiInput& input, float stage_width, float
     ImGui::SetNextWindowSize({width, height}, ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowSizeConstraints({200 * input.scale, 100 * input.scale}, {1e5f, 1e5f});
     bool stays = true;
-    if (ImGui::Begin(info.title, &stays, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav)) {
+    if (ImGui::Begin(tr_label(info.title), &stays, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav)) {
       open_[i]->draw(desk, input);
     }
     ImGui::End();

@@ -5,28 +5,29 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
 std::optional<CloseAnswer> CloseQuestion::draw(const std::string& target, const std::string& error) {
-  constexpr const char* kTitle = "Unsaved edits";
+  const char* const kTitle = tr_label("Unsaved edits");
   if (!open_) ImGui::OpenPopup(kTitle);
   std::optional<CloseAnswer> answer;
   const ImVec2 middle = ImGui::GetMainViewport()->GetCenter();
   ImGui::SetNextWindowPos(middle, ImGuiCond_Appearing, {0.5f, 0.5f});
   if (ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize)) {
-    ui_text("The rig has edits that are not saved.");
+    ui_text(tr("The rig has edits that are not saved."));
     ui_text(kUiDim, target);
     if (!error.empty()) {
       ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
       ui_text(kUiRed, error);
       ImGui::PopTextWrapPos();
     }
-    if (ImGui::Button("Save and close")) answer = CloseAnswer::kSave;
+    if (ImGui::Button(tr_label("Save and close"))) answer = CloseAnswer::kSave;
     ImGui::SameLine();
-    if (ImGui::Button("Discard them")) answer = CloseAnswer::kDiscard;
+    if (ImGui::Button(tr_label("Discard them"))) answer = CloseAnswer::kDiscard;
     ImGui::SameLine();
-    if (ImGui::Button("Stay")) answer = CloseAnswer::kStay;
+    if (ImGui::Button(tr_label("Stay"))) answer = CloseAnswer::kStay;
     if (answer) ImGui::CloseCurrentPopup();
     ImGui::EndPopup();
   } else if (open_) {
@@ -37,7 +38,7 @@ std::optional<CloseAnswer> CloseQuestion::draw(const std::string& target, const 
 }
 
 std::optional<OpenAnswer> OpenQuestion::draw(const std::string& what, const std::string& then, bool compares) {
-  constexpr const char* kTitle = "Open a file";
+  const char* const kTitle = tr_label("Open a file");
   if (!open_) ImGui::OpenPopup(kTitle);
   std::optional<OpenAnswer> answer;
   ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Appearing, {0.5f, 0.5f});
@@ -46,14 +47,14 @@ std::optional<OpenAnswer> OpenQuestion::draw(const std::string& what, const std:
     ui_text(what);
     ui_text(kUiDim, then);
     ImGui::PopTextWrapPos();
-    if (compares) ui_text(kUiDim, "Compare: its levels are shown beside those of now, and nothing else changes.");
-    if (ImGui::Button("Open")) answer = OpenAnswer::kOpen;
+    if (compares) ui_text(kUiDim, tr("Compare: its levels are shown beside those of now, and nothing else changes."));
+    if (ImGui::Button(tr_label("Open"))) answer = OpenAnswer::kOpen;
     ImGui::SameLine();
     if (compares) {
-      if (ImGui::Button("Compare")) answer = OpenAnswer::kCompare;
+      if (ImGui::Button(tr_label("Compare"))) answer = OpenAnswer::kCompare;
       ImGui::SameLine();
     }
-    if (ImGui::Button("Stay")) answer = OpenAnswer::kStay;
+    if (ImGui::Button(tr_label("Stay"))) answer = OpenAnswer::kStay;
     if (answer) ImGui::CloseCurrentPopup();
     ImGui::EndPopup();
   } else if (open_) {
@@ -70,14 +71,14 @@ std::optional<LostAnswer> draw_lost_edits(const std::string& when, bool older, f
                                       ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoSavedSettings |
                                       ImGuiWindowFlags_NoMove;
   if (ImGui::Begin("lost edits", nullptr, kFlags)) {
-    ui_text(kUiAmber, fmt::format("{} of {}. Start with --recover to open it.",
-                                  older ? "The file has changed since the automatic copy"
-                                        : "Edits were not saved: there is an automatic copy",
-                                  when));
+    ui_text(
+        kUiAmber,
+        older ? trf("The file has changed since the automatic copy of {}. Start with --recover to open it.", when)
+              : trf("Edits were not saved: there is an automatic copy of {}. Start with --recover to open it.", when));
     ImGui::SameLine();
-    if (ImGui::SmallButton("Keep")) answer = LostAnswer::kKeep;
+    if (ImGui::SmallButton(tr_label("Keep"))) answer = LostAnswer::kKeep;
     ImGui::SameLine();
-    if (ImGui::SmallButton("Discard")) answer = LostAnswer::kDiscard;
+    if (ImGui::SmallButton(tr_label("Discard"))) answer = LostAnswer::kDiscard;
   }
   ImGui::End();
   return answer;

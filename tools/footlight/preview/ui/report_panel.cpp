@@ -11,6 +11,7 @@
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/report_view.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -27,7 +28,7 @@ void right_text(const std::string& words) {
 class ReportPanel final : public Panel {
  public:
   void draw(UiDesk&, const UiInput& input) override {
-    if (input.report == nullptr || input.report->picture == 0) return ui_text(kUiDim, "There is no picture yet.");
+    if (input.report == nullptr || input.report->picture == 0) return ui_text(kUiDim, tr("There is no picture yet."));
     ReportView& view = *input.report;
     if (view.picture != picture_) history_.add(view.passes);
     picture_ = view.picture;
@@ -38,27 +39,26 @@ class ReportPanel final : public Panel {
       ImGui::EndChild();
       ImGui::EndTabItem();
     };
-    tab("Error and time", [&] { draw_error(view, input.scale); });
-    tab("Passes", [&] { draw_passes(view, input.scale); });
-    tab("Memory", [&] { draw_memory(view); });
-    tab("Left out", [&] { draw_left_out(view); });
+    tab(tr_label("Error and time"), [&] { draw_error(view, input.scale); });
+    tab(tr_label("Passes"), [&] { draw_passes(view, input.scale); });
+    tab(tr_label("Memory"), [&] { draw_memory(view); });
+    tab(tr_label("Left out"), [&] { draw_left_out(view); });
     ImGui::EndTabBar();
   }
 
  private:
   void draw_passes(const ReportView& view, float scale) const {
     if (history_.rows().empty()) {
-      return ui_text(kUiDim,
-                     fmt::format("This device has no time stamps; a picture took {}.", ms_text(view.picture_ms)));
+      return ui_text(kUiDim, trf("This device has no time stamps; a picture took {}.", ms_text(view.picture_ms)));
     }
-    ui_text(kUiDim, fmt::format("GPU time of each pass in the last {} pictures", history_.pictures()));
+    ui_text(kUiDim, trf("GPU time of each pass in the last {} pictures", history_.pictures()));
     constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit;
     if (!ImGui::BeginTable("passes", 5, kFlags)) return;
-    ImGui::TableSetupColumn("pass");
-    ImGui::TableSetupColumn("last");
-    ImGui::TableSetupColumn("median");
-    ImGui::TableSetupColumn("most");
-    ImGui::TableSetupColumn("time, each row to its own most", ImGuiTableColumnFlags_WidthStretch);
+    ImGui::TableSetupColumn(tr("pass"));
+    ImGui::TableSetupColumn(tr("last"));
+    ImGui::TableSetupColumn(tr("median"));
+    ImGui::TableSetupColumn(tr("most"));
+    ImGui::TableSetupColumn(tr("time, each row to its own most"), ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableHeadersRow();
     draw_pass(history_.total(), scale);
     for (const PassHistory::Row& row : history_.rows()) draw_pass(row, scale);
@@ -90,17 +90,17 @@ class ReportPanel final : public Panel {
   }
 
   static void draw_memory(const ReportView& view) {
-    ui_text(fmt::format("{} of GPU memory for this rig and this size", bytes_text(view.bytes)));
+    ui_text(trf("{} of GPU memory for this rig and this size", bytes_text(view.bytes)));
     constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit;
     if (!ImGui::BeginTable("memory", 3, kFlags)) return;
-    ImGui::TableSetupColumn("buffers and images");
-    ImGui::TableSetupColumn("bytes");
-    ImGui::TableSetupColumn("share", ImGuiTableColumnFlags_WidthStretch);
+    ImGui::TableSetupColumn(tr("buffers and images"));
+    ImGui::TableSetupColumn(tr("bytes"));
+    ImGui::TableSetupColumn(tr("share"), ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableHeadersRow();
     for (const render::MemoryGroup& group : view.memory) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      ui_text(group.name);
+      ui_text(tr(group.name.c_str()));
       ImGui::TableNextColumn();
       right_text(bytes_text(group.bytes));
       ImGui::TableNextColumn();
@@ -115,68 +115,66 @@ class ReportPanel final : public Panel {
   }
 
   static void draw_left_out(const ReportView& view) {
-    if (!view.has_left_out) return ui_text(kUiDim, "looking ...");
-    ui_wrapped(ui_colours.text,
-               fmt::format("Code of shaders: {} in use, {} left out.", bytes_text(view.left_out.used_code_bytes),
-                           bytes_text(view.left_out.code_bytes)));
-    ui_wrapped(kUiDim,
-               "Memory is that of the buffers and images that the picture would have more; of a pass, those "
-               "that come with it. -: the settings leave it out, not the rig.");
+    if (!view.has_left_out) return ui_text(kUiDim, tr("looking ..."));
+    ui_wrapped(ui_colours.text, trf("Code of shaders: {} in use, {} left out.",
+                                    bytes_text(view.left_out.used_code_bytes), bytes_text(view.left_out.code_bytes)));
+    ui_wrapped(kUiDim, tr("Memory is that of the buffers and images that the picture would have more; of a pass, those "
+                          "that come with it. -: the settings leave it out, not the rig."));
     constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit;
     if (!ImGui::BeginTable("left out", 4, kFlags)) return;
-    ImGui::TableSetupColumn("left out");
-    ImGui::TableSetupColumn("memory");
-    ImGui::TableSetupColumn("code");
-    ImGui::TableSetupColumn("lacks", ImGuiTableColumnFlags_WidthStretch);
+    ImGui::TableSetupColumn(tr("left out"));
+    ImGui::TableSetupColumn(tr("memory"));
+    ImGui::TableSetupColumn(tr("code"));
+    ImGui::TableSetupColumn(tr("lacks"), ImGuiTableColumnFlags_WidthStretch);
     ImGui::TableHeadersRow();
     for (const LeftOutRow& row : view.left_out.rows) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      if (row.pass) ui_text(kUiAmber, "pass " + row.name);
+      if (row.pass) ui_text(kUiAmber, trf("pass {}", row.name));
       if (!row.pass) ui_text(row.name);
       ImGui::TableNextColumn();
       if (row.on_gpu) right_text(bytes_text(row.bytes));
-      if (!row.on_gpu) ui_text(kUiDim, row.pass ? "-" : "none");
+      if (!row.on_gpu) ui_text(kUiDim, row.pass ? "-" : tr("none"));
       ImGui::TableNextColumn();
       if (row.pass) right_text(bytes_text(row.code_bytes));
       ImGui::TableNextColumn();
-      ui_wrapped(kUiDim, row.text);
+      ui_wrapped(kUiDim, tr(row.text.c_str()));
     }
     ImGui::EndTable();
   }
 
   void draw_error(ReportView& view, float scale) {
     if (view.error.samples > 0) {
-      ui_text(fmt::format("Measured: relative L2 error {}", share_text(view.error.rel_l2)));
+      ui_text(trf("Measured: relative L2 error {}", share_text(view.error.rel_l2)));
       ImGui::SameLine();
-      ui_text(kUiDim, fmt::format("95 %: {} to {}, {} samples", share_text(view.error.low), share_text(view.error.high),
-                                  view.error.samples));
+      ui_text(kUiDim, trf("95 %: {} to {}, {} samples", share_text(view.error.low), share_text(view.error.high),
+                          view.error.samples));
     } else {
-      ui_text(kUiDim, "The error of this picture is not measured: no beams, or other kinds of light.");
+      ui_text(kUiDim, tr("The error of this picture is not measured: no beams, or other kinds of light."));
     }
     draw_target(view);
-    if (view.measures) return ui_text(kUiAmber, "measuring this machine ... the picture stands still meanwhile");
+    if (view.measures) return ui_text(kUiAmber, tr("measuring this machine ... the picture stands still meanwhile"));
     const auto plot = plot_of(view);
     if (!plot) {
-      ui_text(kUiDim, "Error against time was not measured on this machine yet.");
+      ui_text(kUiDim, tr("Error against time was not measured on this machine yet."));
       ImGui::BeginDisabled(!view.why_not_measure.empty());
-      if (ImGui::Button("measure error against time")) view.measure = true;
+      if (ImGui::Button(tr_label("measure error against time"))) view.measure = true;
       ImGui::EndDisabled();
       if (!view.why_not_measure.empty()) ui_wrapped(kUiRed, view.why_not_measure);
       ui_wrapped(kUiDim,
-                 "Takes seconds on a GPU and up to minutes on a CPU; the picture stands still. It is kept for "
-                 "this machine.");
+                 tr("Takes seconds on a GPU and up to minutes on a CPU; the picture stands still. It is kept for "
+                    "this machine."));
       return;
     }
     draw_plot(*plot, scale);
   }
 
   static void draw_target(const ReportView& view) {
-    std::string words = "Asked for: nothing; knobs by hand";
-    if (view.target.error > 0) words = fmt::format("Asked for: an error of {}", share_text(view.target.error));
-    if (view.target.ms > 0) words = fmt::format("Asked for: {} a picture", ms_text(view.target.ms));
-    words += fmt::format(". GPU: {}.", ms_text(view.picture_ms));
-    if (view.present) words += fmt::format(" The curve says: {}.", share_text(view.present->error));
+    std::string words = tr("Asked for: nothing; knobs by hand");
+    if (view.target.error > 0) words = trf("Asked for: an error of {}", share_text(view.target.error));
+    if (view.target.ms > 0) words = trf("Asked for: {} a picture", ms_text(view.target.ms));
+    words += trf(". GPU: {}.", ms_text(view.picture_ms));
+    if (view.present) words += trf(" The curve says: {}.", share_text(view.present->error));
     ui_wrapped(ui_colours.text, words);
     if (view.present) ui_wrapped(kUiDim, render::text_of(view.present->knobs));
   }
@@ -258,20 +256,19 @@ class ReportPanel final : public Panel {
   }
 
   static void draw_legend(const ErrorPlot& plot) {
-    ui_text(kUiAmber, "o present setting");
+    ui_text(kUiAmber, tr("o present setting"));
     if (plot.measured) {
       ImGui::SameLine();
-      ui_text(kUiGreen, "+ measured");
+      ui_text(kUiGreen, tr("+ measured"));
     }
     if (plot.target_x || plot.target_y) {
       ImGui::SameLine();
-      ui_text(ui_colours.differs, "| asked for");
+      ui_text(ui_colours.differs, tr("| asked for"));
     }
     ImGui::SameLine();
-    ui_text(kUiDim, "- error against GPU time of a picture");
-    if (plot.scale == 1) return ui_text(kUiDim, "times of the scenes that it was measured on");
-    ui_text(kUiDim,
-            fmt::format("times of the scenes that it was measured on, times {:.3g}: as this picture", plot.scale));
+    ui_text(kUiDim, tr("- error against GPU time of a picture"));
+    if (plot.scale == 1) return ui_text(kUiDim, tr("times of the scenes that it was measured on"));
+    ui_text(kUiDim, trf("times of the scenes that it was measured on, times {:.3g}: as this picture", plot.scale));
   }
 
   PassHistory history_;

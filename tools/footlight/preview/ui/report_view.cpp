@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/footlight/preview/ui/words.h"
+
 namespace footlight::tools {
 namespace {
 
@@ -87,7 +89,7 @@ void PassHistory::add(std::span<const render::PassTime> passes) {
 }
 
 PassHistory::Row PassHistory::total() const {
-  Row all{"all", std::vector<float>(pictures_)};
+  Row all{tr("all"), std::vector<float>(pictures_)};
   for (const Row& row : rows_) {
     for (std::size_t i = 0; i < row.ms.size(); ++i) all.ms[i] += row.ms[i];
   }

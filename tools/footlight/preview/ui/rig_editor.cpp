@@ -9,8 +9,9 @@
 
 #include <imgui/imgui.h>
 
-#include "sim/core/counted.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -30,6 +31,8 @@ std::string pattern_of(const std::string& name) {
   while (!stem.empty() && stem.back() >= '0' && stem.back() <= '9') stem.pop_back();
   return stem + (stem.size() == name.size() ? " {}" : "{}");
 }
+
+std::string fixtures_text(std::size_t count) { return trf_n("{} fixture", "{} fixtures", count, count); }
 
 int number_at_end(const std::string& name) {
   std::size_t at = name.size();
@@ -62,7 +65,7 @@ void RigEditor::open(const UiDesk& desk, Field field, std::vector<int> which) {
   std::memcpy(text_.data(), text.data(), std::min(text.size(), text_.size() - 1));
 }
 
-void RigEditor::tell(const Status& edited) { error_ = edited ? "" : edited.error().message; }
+void RigEditor::tell(const Status& edited) { error_ = edited ? "" : tr_known(edited.error().message); }
 
 void RigEditor::apply(UiDesk& desk) {
   desk.begin_gesture();
@@ -72,7 +75,7 @@ void RigEditor::apply(UiDesk& desk) {
     case Field::kAddress: {
       const auto place = fixtures::parse_patch(text, first_of(desk, which_).universe);
       if (!place) {
-        error_ = place.error().message;
+        error_ = tr_known(place.error().message);
         break;
       }
       fixtures::PatchStart start;
@@ -87,7 +90,7 @@ void RigEditor::apply(UiDesk& desk) {
       int number = 0;
       const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), number);
       if (fault != std::errc() || end != text.data() + text.size()) {
-        error_ = fmt::format("number '{}': expected a whole number", text);
+        error_ = trf("number '{}': expected a whole number", text);
         break;
       }
       tell(desk.edit(fixtures::number_fixtures(rig, which_, number)));
@@ -106,41 +109,43 @@ void RigEditor::apply(UiDesk& desk) {
 }
 
 void RigEditor::draw_fields(UiDesk& desk, float scale) {
-  static constexpr const char* kTitles[] = {"Address", "Name", "Number", "Clone"};
-  ui_text(kUiAmber, fmt::format("{} of {}", kTitles[static_cast<int>(field_)],
-                                which_.size() == 1 ? first_of(desk, which_).name : counted(which_.size(), "fixture")));
+  static constexpr const char* kTitles[] = {tr_mark("Address of {}"), tr_mark("Name of {}"), tr_mark("Number of {}"),
+                                            tr_mark("Clone of {}")};
+  ui_text(kUiAmber, trf_marked(kTitles[static_cast<int>(field_)],
+                               which_.size() == 1 ? first_of(desk, which_).name : fixtures_text(which_.size())));
   bool entered = false;
   ImGui::SetNextItemWidth(200 * scale);
   if (field_ == Field::kClone) {
-    ImGui::InputInt("copies", &count_);
+    ImGui::InputInt(tr_label("copies"), &count_);
     count_ = std::clamp(count_, 1, kCopiesMax);
     ImGui::SetNextItemWidth(200 * scale);
-    ImGui::InputScalarN("metres apart: x, y, z", ImGuiDataType_Double, offset_m_.data(), 3, nullptr, nullptr, "%.3f");
+    ImGui::InputScalarN(tr_label("metres apart: x, y, z"), ImGuiDataType_Double, offset_m_.data(), 3, nullptr, nullptr,
+                        "%.3f");
   } else {
     if (std::exchange(focuses_, false)) ImGui::SetKeyboardFocusHere();
     constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll;
     entered = ImGui::InputText("##text", text_.data(), text_.size(), kFlags);
   }
   if (field_ == Field::kAddress) {
-    if (which_.size() > 1) ui_text(kUiDim, "of the first; the others follow");
-    ImGui::Checkbox("skip slots of others", &free_only_);
+    if (which_.size() > 1) ui_text(kUiDim, tr("of the first; the others follow"));
+    ImGui::Checkbox(tr_label("skip slots of others"), &free_only_);
   }
   if (field_ == Field::kName && which_.size() > 1) {
     ImGui::SetNextItemWidth(100 * scale);
-    ImGui::InputInt("{} from", &first_);
+    ImGui::InputInt(tr_label("{} from"), &first_);
   }
-  if (field_ == Field::kNumber && which_.size() > 1) ui_text(kUiDim, "of the first; the others count up");
+  if (field_ == Field::kNumber && which_.size() > 1) ui_text(kUiDim, tr("of the first; the others count up"));
   if (!error_.empty()) {
     ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + 320 * scale);
     ui_text(kUiRed, error_);
     ImGui::PopTextWrapPos();
   }
-  if (ImGui::Button("OK") || entered) {
+  if (ImGui::Button(tr_label("OK")) || entered) {
     apply(desk);
     if (error_.empty()) ImGui::CloseCurrentPopup();
   }
   ImGui::SameLine();
-  if (ImGui::Button("Cancel")) ImGui::CloseCurrentPopup();
+  if (ImGui::Button(tr_label("Cancel"))) ImGui::CloseCurrentPopup();
 }
 
 void RigEditor::draw(UiDesk& desk, float scale) {
@@ -158,13 +163,13 @@ void RigEditor::draw(UiDesk& desk, float scale) {
 void RigEditor::draw_menu(UiDesk& desk, const std::vector<int>& which) {
   if (which.empty()) return;
   const fixtures::PatchedFixture first = first_of(desk, which);
-  ui_text(kUiDim, which.size() == 1 ? first.name : counted(which.size(), "fixture"));
-  if (ImGui::MenuItem("Address...")) open(desk, Field::kAddress, which);
-  if (ImGui::MenuItem("Name...")) open(desk, Field::kName, which);
-  if (ImGui::MenuItem("Number...")) open(desk, Field::kNumber, which);
+  ui_text(kUiDim, which.size() == 1 ? first.name : fixtures_text(which.size()));
+  if (ImGui::MenuItem(tr_label("Address..."))) open(desk, Field::kAddress, which);
+  if (ImGui::MenuItem(tr_label("Name..."))) open(desk, Field::kName, which);
+  if (ImGui::MenuItem(tr_label("Number..."))) open(desk, Field::kNumber, which);
   const auto& modes = fixtures::type_of(desk.edited(), first).modes;
   std::optional<Result<fixtures::RigEdit>> edit;
-  if (ImGui::BeginMenu("Mode", modes.size() > 1)) {
+  if (ImGui::BeginMenu(tr_label("Mode"), modes.size() > 1)) {
     for (std::size_t i = 0; i < modes.size(); ++i) {
       ImGui::PushID(static_cast<int>(i));
       if (ImGui::MenuItem(modes[i].name.c_str(), nullptr, static_cast<int>(i) == first.mode)) {
@@ -175,12 +180,12 @@ void RigEditor::draw_menu(UiDesk& desk, const std::vector<int>& which) {
     ImGui::EndMenu();
   }
   ImGui::Separator();
-  if (ImGui::MenuItem("Clone...")) open(desk, Field::kClone, which);
-  if (ImGui::MenuItem("Unpatch")) edit = fixtures::unpatch_fixtures(desk.edited(), which);
-  if (ImGui::MenuItem("Delete", "Del")) edit = fixtures::delete_fixtures(desk.edited(), which);
+  if (ImGui::MenuItem(tr_label("Clone..."))) open(desk, Field::kClone, which);
+  if (ImGui::MenuItem(tr_label("Unpatch"))) edit = fixtures::unpatch_fixtures(desk.edited(), which);
+  if (ImGui::MenuItem(tr_label("Delete"), tr("Del"))) edit = fixtures::delete_fixtures(desk.edited(), which);
   if (!edit) return;
   desk.begin_gesture();
-  if (const Status edited = desk.edit(std::move(*edit)); !edited) desk.tell(edited.error().message);
+  if (const Status edited = desk.edit(std::move(*edit)); !edited) desk.tell(tr_known(edited.error().message));
   desk.begin_gesture();
 }
 
@@ -189,7 +194,7 @@ std::string delete_selected(UiDesk& desk) {
   auto edit = fixtures::delete_fixtures(desk.edited(), desk.selected());
   std::string text = edit ? edit->text : "";
   const Status edited = desk.edit(std::move(edit));
-  return edited ? text + " (Ctrl+Z brings it back)" : edited.error().message;
+  return edited ? trf("{} (Ctrl+Z brings it back)", tr_known(text)) : tr_known(edited.error().message);
 }
 
 }  // namespace footlight::tools

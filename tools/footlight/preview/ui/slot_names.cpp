@@ -4,6 +4,7 @@
 
 #include "fixtures/displays/pixel_slots.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
@@ -14,7 +15,7 @@ std::vector<SlotName> names_of_slot(const fixtures::Rig& rig, const fixtures::Co
     const fixtures::Channel& channel = index.channel(use.key);
     SlotName name{rig.fixtures[static_cast<std::size_t>(use.key.fixture)].name, name_of(channel), use.key.fixture};
     if (channel.slot_offsets.size() > 1) {
-      name.parameter += fmt::format(", byte {} of {}", use.byte + 1, channel.slot_offsets.size());
+      name.parameter += trf(", byte {} of {}", use.byte + 1, channel.slot_offsets.size());
     }
     names.push_back(std::move(name));
   }

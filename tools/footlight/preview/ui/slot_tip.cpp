@@ -5,6 +5,7 @@
 #include "tools/footlight/preview/ui/channel_reading.h"
 #include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/slot_names.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -27,8 +28,7 @@ SlotTip tip_of_slot(UiDesk& desk, const UiInput& input, std::size_t universe, st
                     const SlotChanges& changes, TimeNs now_ns) {
   SlotTip tip;
   const std::uint8_t level = changes.levels[slot];
-  tip.level =
-      fmt::format("{}.{}  level {} ({:.0f} %)", desk.compiled().universes[universe], slot + 1, level, level / 2.55);
+  tip.level = trf("{}.{}  level {} ({:.0f} %)", desk.compiled().universes[universe], slot + 1, level, level / 2.55);
   const auto uses = desk.index().uses(universe, slot);
   const std::size_t at = universe * kSlotCountMax + slot;
   const bool is_now = at < input.levels.size() && input.levels[at] == level;
@@ -41,12 +41,12 @@ SlotTip tip_of_slot(UiDesk& desk, const UiInput& input, std::size_t universe, st
   const LevelSource of_universe = source_of_universe(desk, input, universe);
   tip.from = uses.empty() ? of_universe.words : source_of_channel(desk, input, uses.front().key).words;
   if (of_universe.kind == SourceKind::kLive && universe < input.stamps.size()) {
-    tip.ages = fmt::format("last {} {:.1f} s ago", of_universe.rarely ? "change" : "frame",
-                           static_cast<double>(of_universe.age_ns) * 1e-9);
+    tip.ages = trf_marked(of_universe.rarely ? tr_mark("last change {:.1f} s ago") : tr_mark("last frame {:.1f} s ago"),
+                          static_cast<double>(of_universe.age_ns) * 1e-9);
   }
   if (changes.changed_ns[slot] != 0) {
-    tip.ages += fmt::format("{}changed {:.1f} s ago", tip.ages.empty() ? "" : ", ",
-                            static_cast<double>(now_ns - changes.changed_ns[slot]) * 1e-9);
+    tip.ages += tip.ages.empty() ? "" : ", ";
+    tip.ages += trf("changed {:.1f} s ago", static_cast<double>(now_ns - changes.changed_ns[slot]) * 1e-9);
   }
   return tip;
 }

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include "sim/core/counted.h"
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -199,15 +201,15 @@ void StageHandles::end(UiDesk& desk, const HandleInput& input) {
   if (moves_fixtures(part)) {
     if (moved_m_ == glm::dvec3(0)) return;
     const Status moved = desk.edit(fixtures::move_fixtures(desk.edited(), desk.selected(), moved_m_));
-    if (!moved) desk.tell(moved.error().message);
+    if (!moved) desk.tell(tr_known(moved.error().message));
     return;
   }
   if (turns_fixtures_) {
     const Status turned = desk.edit(turn_to_point(*aim_, desk.edited(), desk.selected(), target_m_, input.levels));
-    if (!turned) desk.tell(turned.error().message);
+    if (!turned) desk.tell(tr_known(turned.error().message));
   } else if (left_ > 0) {
-    desk.tell(
-        fmt::format("{} without pan, tilt or address: not aimed", counted(static_cast<std::size_t>(left_), "fixture")));
+    desk.tell(trf_n("{} fixture without pan, tilt or address: not aimed",
+                    "{} fixtures without pan, tilt or address: not aimed", left_, left_));
   }
 }
 
@@ -249,11 +251,11 @@ std::string StageHandles::text() const {
   if (part == HandlePart::kAim) {
     if (!aim_shape_) return "";
     const glm::dvec3& at_m = aim_shape_->point_m;
-    words = fmt::format("aim at {} {} {} m, {} m away", metres(at_m.x), metres(at_m.y), metres(at_m.z),
-                        metres(glm::length(at_m - aim_shape_->beam.from_m)));
+    words = trf("aim at {} {} {} m, {} m away", metres(at_m.x), metres(at_m.y), metres(at_m.z),
+                metres(glm::length(at_m - aim_shape_->beam.from_m)));
     constexpr double kShownRad = 0.01;
     if (shows_drag && off_rad_ > kShownRad) {
-      words += fmt::format(", out of reach by {:.1f}\u00b0", off_rad_ * 180 / std::numbers::pi);
+      words += trf(", out of reach by {:.1f}\u00b0", off_rad_ * 180 / std::numbers::pi);
     }
   } else {
     if (!shape_) return "";
@@ -264,7 +266,7 @@ std::string StageHandles::text() const {
       if (shows_drag) words += fmt::format(" ({})", by_metres(moved_m_[axis]));
     }
   }
-  if (shows_drag && snaps_) words += fmt::format("  snap {} m", kSnapM);
+  if (shows_drag && snaps_) words += trf("  snap {} m", kSnapM);
   return words;
 }
 
@@ -273,7 +275,7 @@ std::string nudge_selected(UiDesk& desk, int axis, double by_m) {
   glm::dvec3 by(0);
   by[axis] = by_m;
   const Status moved = desk.edit(fixtures::move_fixtures(desk.edited(), desk.selected(), by));
-  return moved ? "" : moved.error().message;
+  return moved ? "" : tr_known(moved.error().message);
 }
 
 }  // namespace footlight::tools

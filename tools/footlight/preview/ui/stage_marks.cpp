@@ -8,6 +8,7 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -70,15 +71,17 @@ void draw_box(const StageBox& box, float scale) {
   const ImVec4& colour = box.mode() == BoxMode::kTakesAway ? kStageColours.bad : kStageColours.accent;
   draw.AddRectFilled(low, high, ImGui::GetColorU32({colour.x, colour.y, colour.z, 0.14f}));
   draw.AddRect(low, high, ImGui::GetColorU32(colour), 0, 0, 1.5f * scale);
-  const char* words = box.mode() == BoxMode::kAdds ? "add" : box.mode() == BoxMode::kTakesAway ? "take away" : "select";
+  const char* words = box.mode() == BoxMode::kAdds        ? tr("add")
+                      : box.mode() == BoxMode::kTakesAway ? tr("take away")
+                                                          : tr("select");
   draw.AddText({high.x + 4 * scale, high.y + 2 * scale}, ImGui::GetColorU32(colour), words);
 }
 
 void draw_fly(const FlyCamera& fly, const StagePlace& place, float scale) {
   if (!fly.on()) return;
   const std::string words =
-      fmt::format("FLY {:.1f} m/s   W A S D, E up, Q down, Shift: faster   drag: look   wheel: speed   V or Esc: end",
-                  fly.speed_m_s());
+      trf("FLY {:.1f} m/s   W A S D, E up, Q down, Shift: faster   drag: look   wheel: speed   V or Esc: end",
+          fly.speed_m_s());
   const float width = static_cast<float>(place.size.x) - 24 * scale;
   const ImVec2 needed = ImGui::CalcTextSize(words.c_str(), nullptr, false, std::max(width, 40.0f));
   const ImVec2 low = units_of(place.origin);

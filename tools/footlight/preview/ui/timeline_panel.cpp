@@ -10,10 +10,12 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/draw_thumbnails.h"
+#include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/pick_colour.h"
 #include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -23,7 +25,7 @@ class TimelinePanel final : public Panel {
   void draw(UiDesk& desk, const UiInput& input) override {
     if (input.transport == nullptr) {
       ui_text(kUiDim,
-              "No log plays: the rig follows live inputs or faders. `footlight preview RIG --log LOG` plays one.");
+              tr("No log plays: the rig follows live inputs or faders. `footlight preview RIG --log LOG` plays one."));
       return;
     }
     draw_controls(*input.transport, input.scale);
@@ -34,7 +36,8 @@ class TimelinePanel final : public Panel {
 
  private:
   static void draw_controls(Transport& transport, float scale) {
-    if (ImGui::Button(transport.playing ? "pause" : "play", {64 * scale, 0})) transport.playing = !transport.playing;
+    if (ImGui::Button(transport.playing ? tr_label("pause", "play") : tr_label("play"), {64 * scale, 0}))
+      transport.playing = !transport.playing;
     ImGui::SameLine();
     ImGui::SetNextItemWidth(84 * scale);
     if (ImGui::BeginCombo("##speed", fmt::format("x {}", transport.speed).c_str())) {
@@ -44,23 +47,23 @@ class TimelinePanel final : public Panel {
       ImGui::EndCombo();
     }
     ImGui::SameLine();
-    ImGui::Checkbox("repeat", &transport.repeats);
+    ImGui::Checkbox(tr_label("repeat"), &transport.repeats);
     ImGui::SameLine();
-    if (ImGui::Button("from here")) transport.repeat_from(transport.now_ns);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The part that repeats begins at this time.");
+    if (ImGui::Button(tr_label("from here"))) transport.repeat_from(transport.now_ns);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("The part that repeats begins at this time."));
     ImGui::SameLine();
-    if (ImGui::Button("to here")) transport.repeat_to(transport.now_ns);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The part that repeats ends at this time.");
+    if (ImGui::Button(tr_label("to here"))) transport.repeat_to(transport.now_ns);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("The part that repeats ends at this time."));
     if (transport.from_ns || transport.to_ns) {
       ImGui::SameLine();
-      if (ImGui::Button("whole log")) transport.repeat_all();
+      if (ImGui::Button(tr_label("whole log"))) transport.repeat_all();
     }
     ImGui::SameLine();
-    ui_text(fmt::format("{} of {}", time_text(transport.now_ns), time_text(transport.duration_ns)));
+    ui_text(trf("{} of {}", time_text(transport.now_ns), time_text(transport.duration_ns)));
     if (transport.from_ns || transport.to_ns) {
       ImGui::SameLine();
-      ui_text(kUiAmber, fmt::format("repeats {} to {}", time_text(transport.from_ns.value_or(0)),
-                                    time_text(transport.to_ns.value_or(transport.duration_ns))));
+      ui_text(kUiAmber, trf("repeats {} to {}", time_text(transport.from_ns.value_or(0)),
+                            time_text(transport.to_ns.value_or(transport.duration_ns))));
     }
   }
 
@@ -97,8 +100,9 @@ class TimelinePanel final : public Panel {
       ImGui::PushID(static_cast<int>(i));
       if (ImGui::InvisibleButton("marker", {std::max(to - from, 1.0f), height})) transport.seek_ns = markers[i].at_ns;
       if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("%s at %s; the right button names or deletes it", markers[i].name.c_str(),
-                          time_text(markers[i].at_ns).c_str());
+        ImGui::SetTooltip(
+            "%s", trf("{} at {}; the right button names or deletes it", markers[i].name, time_text(markers[i].at_ns))
+                      .c_str());
         if (ImGui::IsMouseReleased(ImGuiMouseButton_Right)) ask_about(markers[i], i);
       }
       ImGui::PopID();
@@ -131,14 +135,14 @@ class TimelinePanel final : public Panel {
     }
     if (begins) ImGui::SetKeyboardFocusHere();
     constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll;
-    const bool entered = ImGui::InputText("name", text_.data(), text_.size(), kFlags);
+    const bool entered = ImGui::InputText(tr_label("name"), text_.data(), text_.size(), kFlags);
     if (entered) {
       const Status named = desk.rename_marker(asked_, text_.data());
-      trouble_ = named ? "" : named.error().message;
+      trouble_ = named ? "" : tr_known(named.error().message);
       if (named) ImGui::CloseCurrentPopup();
     }
     if (!trouble_.empty()) ui_text(kUiRed, trouble_);
-    if (ImGui::Button("delete")) {
+    if (ImGui::Button(tr_label("delete"))) {
       desk.remove_marker(asked_);
       ImGui::CloseCurrentPopup();
     }
@@ -204,8 +208,8 @@ class TimelinePanel final : public Panel {
     line(transport.seek_ns.value_or(transport.now_ns), kUiAmber);
     if (transport.seeking) line(transport.seeking->at_ns, kUiGreen);
     const bool partly = transport.known_ns > 0 && transport.known_ns < transport.duration_ns;
-    ui_text(kUiDim, partly ? fmt::format("mean level of all dimmers; known up to {}", time_text(transport.known_ns))
-                           : std::string("mean level of all dimmers"));
+    ui_text(kUiDim, partly ? trf("mean level of all dimmers; known up to {}", time_text(transport.known_ns))
+                           : std::string(tr("mean level of all dimmers")));
   }
 
   // Of the row of pictures; 0: there are none, or there is no room for them beside the curve.
@@ -223,8 +227,8 @@ class TimelinePanel final : public Panel {
   }
 
   static std::string text_of(const LightStrips::Strip& strip) {
-    return fmt::format("\n{}: mean light of {} of {} fixtures", strip.name,
-                       std::min(strip.heads.size(), strip.fixtures), strip.fixtures);
+    return trf("\n{}: mean light of {} of {} fixtures", strip.name, std::min(strip.heads.size(), strip.fixtures),
+               strip.fixtures);
   }
 
   // The light of a group: a colour for each column of pixels, the brightest moment in it.

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
@@ -16,7 +17,7 @@ void draw_toasts(const MessageLog& log, TimeNs now_ns, const ImVec2& stage, floa
   const auto shown = log.shown(now_ns);
   for (auto at = shown.rbegin(); at != shown.rend(); ++at) {
     const Message& message = **at;
-    const std::string text = text_of(message) + (message.wrong ? "  (F8 keeps it)" : "");
+    const std::string text = text_of(message) + (message.wrong ? tr("  (F8 keeps it)") : "");
     const ImVec2 needed = ImGui::CalcTextSize(text.c_str(), nullptr, false, width);
     const ImVec2 low{left, bottom - needed.y - 2 * pad};
     if (low.y < 0) break;  // no room; the panel has it

@@ -9,6 +9,7 @@
 #include "fixtures/simulate/encode.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
 #include "tools/footlight/preview/ui/pick_colour.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -248,13 +249,13 @@ void UiDesk::set_exposure(Exposure exposure) {
 
 Status UiDesk::add_marker(TimeNs at_ns) {
   FL_ASSIGN(Markers after, with_marker(state_.markers, at_ns));
-  run(EditMarkers{std::move(after), "add a marker"});
+  run(EditMarkers{std::move(after), tr("add a marker")});
   return {};
 }
 
 Status UiDesk::rename_marker(std::size_t index, std::string_view name) {
   FL_ASSIGN(Markers after, with_name(state_.markers, index, name));
-  run(EditMarkers{std::move(after), fmt::format("name the marker {}", name)});
+  run(EditMarkers{std::move(after), trf("name the marker {}", name)});
   return {};
 }
 
@@ -262,7 +263,7 @@ void UiDesk::remove_marker(std::size_t index) {
   Markers after = state_.markers;
   const std::string name = after.at(index).name;
   after.erase(after.begin() + static_cast<std::ptrdiff_t>(index));
-  run(EditMarkers{std::move(after), fmt::format("delete the marker {}", name)});
+  run(EditMarkers{std::move(after), trf("delete the marker {}", name)});
 }
 
 void UiDesk::release_all() {

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "tools/footlight/preview/ui/channel_reading.h"
+#include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -38,9 +40,9 @@ bool SelectFixtures::apply(UiState& state) {
 }
 void SelectFixtures::undo(UiState& state) const { state.selection = before; }
 std::string SelectFixtures::text(const fixtures::Rig& rig) const {
-  if (after.fixtures.empty()) return "select nothing";
-  if (after.fixtures.size() == 1) return "select " + fixture_name(rig, after.fixtures.front());
-  return fmt::format("select {} fixtures", after.fixtures.size());
+  if (after.fixtures.empty()) return tr("select nothing");
+  if (after.fixtures.size() == 1) return trf("select {}", fixture_name(rig, after.fixtures.front()));
+  return trf_n("select {} fixture", "select {} fixtures", after.fixtures.size(), after.fixtures.size());
 }
 bool SelectFixtures::join(const SelectFixtures& later) {
   after = later.after;
@@ -64,16 +66,22 @@ void TakeChannels::undo(UiState& state) const {
   for (const Edit& edit : edits) set_taken(state, edit.key, edit.before);
 }
 std::string TakeChannels::text(const fixtures::Rig& rig) const {
-  if (edits.empty()) return "take nothing over";
-  const char* word = edits.front().after ? "set" : "release";
+  if (edits.empty()) return tr("take nothing over");
+  const bool sets = edits.front().after.has_value();
+  const std::size_t count = edits.size();
   const bool one_fixture = std::all_of(edits.begin(), edits.end(),
                                        [&](const Edit& edit) { return edit.key.fixture == edits.front().key.fixture; });
   const ChannelKey key = edits.front().key;
   const auto& mode = fixtures::mode_of(rig, rig.fixtures[static_cast<std::size_t>(key.fixture)]);
   const std::string channel = name_of(mode.channels[static_cast<std::size_t>(key.channel)]);
-  if (edits.size() == 1) return fmt::format("{} {} of {}", word, channel, fixture_name(rig, key.fixture));
-  if (one_fixture) return fmt::format("{} {} channels of {}", word, edits.size(), fixture_name(rig, key.fixture));
-  return fmt::format("{} {} channels", word, edits.size());
+  const std::string& fixture = fixture_name(rig, key.fixture);
+  if (count == 1) return sets ? trf("set {} of {}", channel, fixture) : trf("release {} of {}", channel, fixture);
+  if (one_fixture) {
+    return sets ? trf_n("set {} channel of {}", "set {} channels of {}", count, count, fixture)
+                : trf_n("release {} channel of {}", "release {} channels of {}", count, count, fixture);
+  }
+  return sets ? trf_n("set {} channel", "set {} channels", count, count)
+              : trf_n("release {} channel", "release {} channels", count, count);
 }
 bool TakeChannels::join(const TakeChannels& later) {
   const bool same = std::equal(edits.begin(), edits.end(), later.edits.begin(), later.edits.end(),
@@ -111,7 +119,7 @@ void MoveCamera::undo(UiState& state) const {
   state.camera_of(view.value_or(state.view)) = before.value_or(after);
   if (exposure_ev) state.exposure.ev = before_ev;
 }
-std::string MoveCamera::text(const fixtures::Rig&) const { return "move the camera"; }
+std::string MoveCamera::text(const fixtures::Rig&) const { return tr("move the camera"); }
 bool MoveCamera::join(const MoveCamera& later) {
   if (view != later.view) return false;
   after = later.after;
@@ -129,8 +137,8 @@ bool SetExposure::apply(UiState& state) {
 }
 void SetExposure::undo(UiState& state) const { state.exposure = before; }
 std::string SetExposure::text(const fixtures::Rig&) const {
-  if (after.automatic) return "automatic exposure";
-  return fmt::format("set the exposure to {:.2f} EV", after.ev);
+  if (after.automatic) return tr("automatic exposure");
+  return trf("set the exposure to {:.2f} EV", after.ev);
 }
 bool SetExposure::join(const SetExposure& later) {
   after = later.after;
@@ -219,7 +227,7 @@ void EditRig::undo(UiState& state) const {
   state.selection = selection_before;
   if (!taken_before.empty()) state.taken = taken_before;
 }
-std::string EditRig::text(const fixtures::Rig&) const { return edit.text; }
+std::string EditRig::text(const fixtures::Rig&) const { return tr_known(edit.text); }
 bool EditRig::join(const EditRig& later) {
   if (selects || later.selects || releases() || later.releases() || !edit.join(later.edit)) return false;
   revision = later.revision;

@@ -84,6 +84,17 @@ UiColours colours_of(UiTheme theme) {
           .line = {1, 1, 1, 1}};
 }
 
+const ImWchar* ui_glyph_ranges() {
+  static constexpr ImWchar kRanges[] = {
+      0x0020, 0x00ff,  // Basic Latin, Latin-1
+      0x0100, 0x017f,  // Latin Extended-A
+      0x0370, 0x052f,  // Greek, Cyrillic
+      0x2010, 0x2026,  // dashes, quotation marks, ellipsis
+      0,
+  };
+  return kRanges;
+}
+
 void set_ui_style(float scale, UiTheme theme) {
   ImGuiStyle& style = ImGui::GetStyle();
   style = ImGuiStyle();  // sizes are not scaled twice

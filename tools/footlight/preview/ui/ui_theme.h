@@ -46,6 +46,9 @@ inline const UiColours kStageColours = colours_of(UiTheme::kDark);
 inline constexpr ImU32 kLiveColour = IM_COL32(214, 28, 28, 255);
 inline constexpr ImU32 kMadeUpColour = IM_COL32(242, 169, 64, 255);
 
+// Of the font: Latin with the letters of Europe, Greek and Cyrillic, for the words of a language and for names in rigs.
+[[nodiscard]] const ImWchar* ui_glyph_ranges();
+
 // Few colours, no borders, small spacing. Of the current context.
 void set_ui_style(float scale, UiTheme theme = UiTheme::kDark);
 

@@ -19,6 +19,7 @@
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/slot_names.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -45,7 +46,7 @@ class UniversesPanel final : public Panel {
   void draw(UiDesk& desk, const UiInput& input) override {
     const auto& universes = desk.compiled().universes;
     if (universes.empty()) {
-      ui_text(kUiDim, "No fixture of this rig has an address.");
+      ui_text(kUiDim, tr("No fixture of this rig has an address."));
       return;
     }
     shown_ = std::min(shown_, universes.size() - 1);
@@ -73,15 +74,15 @@ class UniversesPanel final : public Panel {
     if (ImGui::ArrowButton("before", ImGuiDir_Left)) shown_ -= std::min(shown_, step);
     ImGui::SameLine(0, 2);
     ImGui::SetNextItemWidth(120 * input.scale);
-    if (ImGui::BeginCombo("##universe", fmt::format("universe {}", universes[shown_]).c_str())) {
+    if (ImGui::BeginCombo("##universe", trf("universe {}", universes[shown_]).c_str())) {
       ImGuiListClipper clipper;
       clipper.Begin(static_cast<int>(universes.size()));
       while (clipper.Step()) {
         for (auto i = static_cast<std::size_t>(clipper.DisplayStart); i < static_cast<std::size_t>(clipper.DisplayEnd);
              ++i) {
           const int differ = compare_.difference().slots_of(universes[i]);
-          const std::string name = differ > 0 ? fmt::format("universe {}: {} differ", universes[i], differ)
-                                              : fmt::format("universe {}", universes[i]);
+          const std::string name =
+              differ > 0 ? trf("universe {}: {} differ", universes[i], differ) : trf("universe {}", universes[i]);
           if (ImGui::Selectable(name.c_str(), i == shown_)) shown_ = i;
         }
       }
@@ -90,20 +91,21 @@ class UniversesPanel final : public Panel {
     ImGui::SameLine(0, 2);
     if (ImGui::ArrowButton("after", ImGuiDir_Right)) shown_ = std::min(shown_ + step, universes.size() - 1);
     ImGui::SameLine();
-    ImGui::Checkbox("freeze", &frozen_);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Keeps what is shown. The picture goes on.");
+    ImGui::Checkbox(tr_label("freeze"), &frozen_);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("Keeps what is shown. The picture goes on."));
     if (!desk.comparison().a) {
       ImGui::SameLine();
-      if (ImGui::Button("compare with now (K)")) {
+      if (ImGui::Button(tr_label("compare with now (K)"))) {
         const auto log_ns = input.transport != nullptr ? std::optional(input.transport->now_ns) : std::nullopt;
         desk.comparison().a = keep_levels(universes, input.levels, log_ns);
       }
-      if (ImGui::IsItemHovered()) ImGui::SetTooltip("Keeps this moment, and marks the slots that differ from it.");
+      if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("%s", tr("Keeps this moment, and marks the slots that differ from it."));
     }
     if (universes.size() > 1) {
       ImGui::SameLine();
-      if (ImGui::Checkbox("nine at once", &nine_)) fresh_ = true;
-      if (ImGui::IsItemHovered()) ImGui::SetTooltip("Maps of nine universes. A click on one shows it alone.");
+      if (ImGui::Checkbox(tr_label("nine at once"), &nine_)) fresh_ = true;
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("Maps of nine universes. A click on one shows it alone."));
     }
     if (shown_ != before) fresh_ = true;
   }
@@ -141,8 +143,9 @@ class UniversesPanel final : public Panel {
     const LevelSource source = source_of_universe(desk, input, shown_);
     if (shown_ >= input.stamps.size()) return ui_text(kUiDim, source.words);
     if (source.kind == SourceKind::kNobody) return ui_text(kUiAmber, source.words);
-    ui_text(source.silent ? kUiRed : kUiGreen,
-            source.silent ? "no signal since" : source.rarely ? "last change" : "last frame");
+    ui_text(source.silent ? kUiRed : kUiGreen, source.silent   ? tr("no signal since")
+                                               : source.rarely ? tr("last change")
+                                                               : tr("last frame"));
     ImGui::SameLine(0, 4);
     ui_text(fmt::format("{:.1f} s", static_cast<double>(source.age_ns) * 1e-9));
     ImGui::SameLine();
@@ -203,7 +206,7 @@ class UniversesPanel final : public Panel {
   [[nodiscard]] std::string difference_words(const UiDesk& desk, std::size_t slot) const {
     const auto other = other_level(desk, slot);
     if (!other) return "";
-    return fmt::format("A {}, B {} ({:+})", *other, changes_.levels[slot], changes_.levels[slot] - *other);
+    return trf("A {}, B {} ({:+})", *other, changes_.levels[slot], changes_.levels[slot] - *other);
   }
 
   // A slot: a bar as high as its level, brighter where it changed; frames for what is selected, taken over or shared.
@@ -257,16 +260,16 @@ class UniversesPanel final : public Panel {
 
   // What the slot is for.
   void draw_slot(UiDesk& desk, std::size_t slot) const {
-    std::string words = fmt::format("{}.{}  level {} ({:.0f} %)", desk.compiled().universes[shown_], slot + 1,
-                                    changes_.levels[slot], changes_.levels[slot] / 2.55);
+    std::string words = trf("{}.{}  level {} ({:.0f} %)", desk.compiled().universes[shown_], slot + 1,
+                            changes_.levels[slot], changes_.levels[slot] / 2.55);
     if (changes_.changed_ns[slot] != 0) {
-      words += fmt::format("  changed {:.1f} s ago", static_cast<double>(now_ns_ - changes_.changed_ns[slot]) * 1e-9);
+      words += trf("  changed {:.1f} s ago", static_cast<double>(now_ns_ - changes_.changed_ns[slot]) * 1e-9);
     }
-    if (const auto other = other_level(desk, slot)) words += fmt::format("  A {}", *other);
+    if (const auto other = other_level(desk, slot)) words += trf("  A {}", *other);
     ui_text(words);
     const std::string meaning = text_of(names_of_slot(desk.rig(), desk.compiled(), desk.index(), shown_, slot));
     const bool used = !meaning.empty();
-    ui_text(used ? kUiAmber : kUiDim, used ? meaning : "no fixture and no display uses this slot");
+    ui_text(used ? kUiAmber : kUiDim, used ? meaning : tr("no fixture and no display uses this slot"));
   }
 
   std::size_t shown_ = 0;  // which universe of the rig

@@ -11,6 +11,7 @@
 #include "fixtures/model/color.h"
 #include "fixtures/model/srgb.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 namespace {
@@ -51,7 +52,7 @@ std::vector<WheelChoice::Slot> slots_of_function(const fixtures::FixtureType& ty
     const fixtures::WheelSlot& slot = wheel.slots[static_cast<std::size_t>(number - 1)];
     WheelChoice::Slot one = looks_of(type, slot);
     one.number = number;
-    one.name = !name.empty() ? name : !slot.name.empty() ? slot.name : fmt::format("slot {}", number);
+    one.name = !name.empty() ? name : !slot.name.empty() ? slot.name : trf("slot {}", number);
     one.raw = from + (to - from) / 2;
     one.raw_from = from;
     one.raw_to = to;
