@@ -21,6 +21,8 @@ static_assert(sizeof(LaserStripRow) == 192);
 static_assert(sizeof(LaserListRow) == 16);
 static_assert(sizeof(GlossRow) == 48);
 static_assert(sizeof(PaneRow) == 144);
+static_assert(sizeof(PaneGroupRow) == 144 && sizeof(GroupPaneRow) == 80 && sizeof(PaneFanRow) == 32);
+static_assert(sizeof(PaneFansRow) == 144);
 static_assert(sizeof(DisplayRow) == 144);
 static_assert(sizeof(DisplayLevelRow) == 16 && sizeof(DisplayJobRow) == 16);
 static_assert(sizeof(BladesRow) == 64);

@@ -52,7 +52,8 @@ std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
   known += groups.add("clouds of haze", {&rig.haze}, {&rig.haze_table});
   known += groups.add("lasers", {&rig.laser_segments, &rig.lasers});
   known += groups.add("mirror balls", {&rig.mirror_balls, &rig.mirror_pairs, &rig.mirror_normals, &rig.mirror_picks});
-  known += groups.add("panes", {&rig.panes, &rig.pane_texels, &rig.pane_masks});
+  known += groups.add("panes", {&rig.panes, &rig.pane_texels, &rig.pane_masks, &rig.pane_groups, &rig.group_panes,
+                                &rig.pane_grids, &rig.pane_fans, &rig.pane_lines});
   known += groups.add("displays", {&rig.displays, &rig.display_levels, &rig.display_jobs, &rig.display_cells});
   return known;
 }

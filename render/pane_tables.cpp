@@ -1,5 +1,7 @@
 #include "render/pane_tables.h"
 
+#include "render/pane_groups.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,11 +12,6 @@
 
 namespace footlight::render {
 namespace {
-
-const fixtures::PaneImage& image_of(const fixtures::Pane& pane) {
-  static const fixtures::PaneImage kClear;
-  return pane.image ? *pane.image : kClear;
-}
 
 // Where the texels of each image begin, in the order of the panes; one image has one place.
 std::vector<std::pair<const fixtures::PaneImage*, std::uint64_t>> places_of(const fixtures::Rig& rig,
@@ -48,6 +45,11 @@ void add_texels(fixtures::PaneImage image, glm::uvec2* out) {
 }
 
 }  // namespace
+
+const fixtures::PaneImage& image_of(const fixtures::Pane& pane) {
+  static const fixtures::PaneImage kClear;
+  return pane.image ? *pane.image : kClear;
+}
 
 std::vector<PaneRow> pane_rows(const fixtures::Rig& rig) {
   std::uint64_t texels = 0;
@@ -110,11 +112,12 @@ Status make_pane_tables(vk::Device& device, const fixtures::Rig& rig, RigTables&
   r.pane_count = static_cast<std::uint32_t>(rig.panes.size());
   const std::uint64_t occluders = r.occluders.size_bytes / sizeof(OccluderRow);
   r.occluder_words = static_cast<std::uint32_t>((occluders + 31) / 32);
-  FL_ASSIGN(r.panes, vk::Buffer::table(device, pane_rows(rig)));
+  const std::vector<PaneRow> rows = pane_rows(rig);
+  FL_ASSIGN(r.panes, vk::Buffer::table(device, rows));
   FL_ASSIGN(r.pane_texels, vk::Buffer::table(device, texels));
   FL_ASSIGN(r.pane_masks,
             vk::Buffer::device_local(device, pane_mask_bytes(rig, occluders), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
-  return {};
+  return make_pane_groups(device, rig, r);
 }
 
 }  // namespace footlight::render

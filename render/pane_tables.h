@@ -12,6 +12,8 @@ namespace footlight::render {
 // this angle, a hundredth of that of the sun's disc, a shaft is thinner than a pixel.
 inline constexpr double kPaneCosineLeast = 1e-4;
 
+// The image of a pane; of one without, a single clear texel.
+[[nodiscard]] const fixtures::PaneImage& image_of(const fixtures::Pane& pane);
 [[nodiscard]] std::vector<PaneRow> pane_rows(const fixtures::Rig& rig);
 [[nodiscard]] std::uint64_t pane_texel_bytes(const fixtures::Rig& rig);
 [[nodiscard]] std::uint64_t pane_mask_bytes(const fixtures::Rig& rig, std::uint64_t occluders);

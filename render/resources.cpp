@@ -16,6 +16,7 @@
 #include "render/gobo_textures.h"
 #include "render/haze.h"
 #include "render/mirror.h"
+#include "render/pane_groups.h"
 #include "render/pane_tables.h"
 #include "render/pass.h"
 #include "render/shadow_tables.h"
@@ -122,6 +123,11 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_PANES, &R::panes},
     {FL_BINDING_PANE_TEXELS, &R::pane_texels},
     {FL_BINDING_PANE_MASKS, &R::pane_masks},
+    {FL_BINDING_PANE_GROUPS, &R::pane_groups},
+    {FL_BINDING_GROUP_PANES, &R::group_panes},
+    {FL_BINDING_PANE_GRIDS, &R::pane_grids},
+    {FL_BINDING_PANE_FANS, &R::pane_fans},
+    {FL_BINDING_PANE_LINES, &R::pane_lines},
     {FL_BINDING_DISPLAYS, &R::displays},
     {FL_BINDING_DISPLAY_LEVELS, &R::display_levels},
     {FL_BINDING_DISPLAY_CELLS, &R::display_cells},
@@ -405,6 +411,11 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_PANES: return shape.rig.panes.size() * sizeof(PaneRow);
     case FL_BINDING_PANE_TEXELS: return pane_texel_bytes(shape.rig);
     case FL_BINDING_PANE_MASKS: return pane_mask_bytes(shape.rig, occluder_bytes(shape) / sizeof(OccluderRow));
+    case FL_BINDING_PANE_GROUPS:
+    case FL_BINDING_GROUP_PANES:
+    case FL_BINDING_PANE_GRIDS:
+    case FL_BINDING_PANE_FANS:
+    case FL_BINDING_PANE_LINES: return pane_group_bytes(binding, shape.rig);
     case FL_BINDING_DISPLAYS:
     case FL_BINDING_DISPLAY_LEVELS:
     case FL_BINDING_DISPLAY_CELLS:

@@ -73,7 +73,9 @@ struct RigTables {
   vk::Buffer lasers;          // LaserRow
   vk::Buffer mirror_balls, mirror_pairs, mirror_normals, mirror_picks;  // mirrors.comp
   vk::Buffer panes, pane_texels;  // PaneRow; two words of half floats a texel
-  vk::Buffer pane_masks;          // bits of the occluders that reach into each shaft
+  vk::Buffer pane_masks;          // bits of the occluders that reach into each shaft, or into those of each group
+  vk::Buffer pane_groups, group_panes, pane_grids;  // PaneGroupRow, GroupPaneRow, words
+  vk::Buffer pane_fans, pane_lines;                 // PaneFansRow; sums of the glass along lines
   vk::Buffer displays, display_levels, display_jobs;  // DisplayRow, DisplayLevelRow, DisplayJobRow
   vk::Buffer display_cells;                           // words of the cells of displays, on all levels
   vk::Buffer gloss;          // GlossRow
@@ -115,6 +117,8 @@ struct RigTables {
   std::uint32_t laser_rows = 0;
   std::uint32_t mirror_pair_count = 0;
   std::uint32_t pane_count = 0;
+  std::uint32_t pane_group_count = 0;
+  std::uint32_t pane_lines_most = 0;  // of a group
   std::uint32_t gloss_count = 0;
   std::uint32_t occluder_words = 0;  // of a pane's bits
   DisplayJobs display_still;         // of images: once

@@ -34,10 +34,10 @@ ShaftDark dark_of(uint pane, PaneRow row, vec3 ray, Part part) {
   uint words = (uint(occluders.length()) + 31u) / 32u;
   for (uint word = 0u; word < words; ++word) {
     for (uint bits = pane_masks[pane * words + word]; bits != 0u; bits &= bits - 1u) {
-      ShaftSolid solid = solid_of(occluders[32u * word + uint(findLSB(bits))]);
+      ShaftSlabs slabs = shaft_slabs(solid_of(occluders[32u * word + uint(findLSB(bits))]), row.sun.xyz);
       float x0 = 0.0;
       float x1 = 1.0;
-      if (shaft_shadow(solid, row.sun.xyz, ray * part.from_m, ray * part.to_m, part.from.z, part.to.z, 0.0, x0, x1)) {
+      if (shaft_shadow(slabs, ray * part.from_m, ray * part.to_m, part.from.z, part.to.z, 0.0, x0, x1)) {
         shaft_add_dark(dark, x0, x1);
       }
     }
@@ -98,7 +98,7 @@ vec3 walk(PaneLevel level, Part piece) {
 vec3 walk_levels(PaneRow row, Part part, float texels_per_m) {
   float length_m = part.to_m - part.from_m;
   if (!(length_m > 0.0)) return vec3(0.0);  // two dark intervals that differ by rounding
-  if (!kDetail) return walk(pane_level(row, 0u), part);
+  if (!kDetail) return walk(pane_level(pane_image(row), 0u), part);
   float fine = log2(max(texels_per_m * part.from_m, 1.0));
   uint level = min(uint(fine), row.levels - 1u);
   vec3 sum = vec3(0.0);
@@ -109,7 +109,7 @@ vec3 walk_levels(PaneRow row, Part part, float texels_per_m) {
     more = end_m < part.to_m;
     piece.to_m = more ? max(end_m, piece.from_m) : part.to_m;
     piece.to = mix(part.from, part.to, (piece.to_m - part.from_m) / length_m);
-    sum += walk(pane_level(row, level), piece);
+    sum += walk(pane_level(pane_image(row), level), piece);
     piece.from_m = piece.to_m;
     piece.from = piece.to;
   }

@@ -41,7 +41,7 @@ vec3 light_in_air(uint pane, PaneRow row, View view, vec3 eye, vec3 way, float e
     if (abs(at.x) > 1.0 || abs(at.y) > 1.0 || !(at.z > 0.0) || at.z > params.up.w) continue;
     if (kShadows && is_dark(pane, row, view.ray * t_m, at.z, 1.0, FL_NONE)) continue;
     float left = kExtinction ? exp(-params.position.w * (t_m + at.z)) : 1.0;
-    sum += pane_at(row, 0u, at.xy) * left;
+    sum += pane_at(pane_image(row), 0u, at.xy) * left;
   }
   float phase = phase_function(dot(row.sun.xyz, view.ray), params.anisotropy);
   return row.light.rgb * sum * ((x1 - x0) * end_m / float(kNodes) * phase);

@@ -2,12 +2,19 @@
 layout(set = 0, binding = FL_BINDING_PANES, std430) readonly buffer PanesBuffer { PaneRow panes[]; };
 layout(set = 0, binding = FL_BINDING_PANE_TEXELS, std430) readonly buffer PaneTexelsBuffer { uvec2 pane_texels[]; };
 
+struct PaneImage {
+  uint first;
+  ivec2 size;
+  uint levels;
+};
+PaneImage pane_image(PaneRow row) { return PaneImage(row.texel_first, ivec2(row.width, row.height), row.levels); }
+
 struct PaneLevel {
   uint first;
   ivec2 size;
 };
-PaneLevel pane_level(PaneRow row, uint level) {
-  PaneLevel at = PaneLevel(row.texel_first, ivec2(row.width, row.height));
+PaneLevel pane_level(PaneImage image, uint level) {
+  PaneLevel at = PaneLevel(image.first, image.size);
   for (uint i = 0u; i < level; ++i) {
     at.first += uint(at.size.x * at.size.y);
     at.size = (at.size + 1) / 2;
@@ -35,17 +42,17 @@ vec3 pane_value(PaneCell cell, vec2 f) {
   f = clamp(f, 0.0, 1.0);
   return mix(mix(cell.corner[0], cell.corner[1], f.x), mix(cell.corner[2], cell.corner[3], f.x), f.y);
 }
-vec3 pane_at(PaneRow row, uint level, vec2 uv) {
-  PaneLevel of = pane_level(row, level);
+vec3 pane_at(PaneImage image, uint level, vec2 uv) {
+  PaneLevel of = pane_level(image, level);
   vec2 place = pane_place(of, uv);
   vec2 low = floor(place);
   return pane_value(pane_cell(of, ivec2(low)), place - low);
 }
 // Of a pixel that covers so many texels a side.
-vec3 pane_mean(PaneRow row, vec2 uv, float texels) {
-  float level = clamp(log2(max(texels, 1.0)), 0.0, float(row.levels - 1u));
+vec3 pane_mean(PaneImage image, vec2 uv, float texels) {
+  float level = clamp(log2(max(texels, 1.0)), 0.0, float(image.levels - 1u));
   uint low = uint(level);
-  vec3 value = pane_at(row, low, uv);
-  if (level > float(low)) value = mix(value, pane_at(row, low + 1u, uv), level - float(low));
+  vec3 value = pane_at(image, low, uv);
+  if (level > float(low)) value = mix(value, pane_at(image, low + 1u, uv), level - float(low));
   return value;
 }

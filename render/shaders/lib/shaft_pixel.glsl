@@ -53,7 +53,8 @@ bool is_dark(uint pane, PaneRow row, vec3 place, float c_m, float facing, uint f
       float slack_m = (max(occluder.half_edge_1.w, kSlackM) + rounding_m) / max(facing, kLeastFacing);
       float x0 = 0.0;
       float x1 = 1.0;
-      dark = shaft_shadow(solid_of(occluder), row.sun.xyz, place, place, c_m, c_m, slack_m, x0, x1);
+      ShaftSlabs slabs = shaft_slabs(solid_of(occluder), row.sun.xyz);
+      dark = shaft_shadow(slabs, place, place, c_m, c_m, slack_m, x0, x1);
     }
   }
   return dark;
@@ -82,7 +83,7 @@ vec3 light_on(uint pane, PaneRow row, View view, vec3 at, Surface surface) {
     texels = sqrt(abs(right.x * down.y - right.y * down.x));
   }
   float lost = kExtinction ? exp(-params.position.w * at.z) : 1.0;
-  return row.light.rgb * pane_mean(row, at.xy, texels) * (facing * lost);
+  return row.light.rgb * pane_mean(pane_image(row), at.xy, texels) * (facing * lost);
 }
 
 // The pane itself against the sky, where nothing stands before it.
@@ -96,7 +97,7 @@ vec3 light_of_glass(PaneRow row, View view, vec3 eye, vec3 way, float end_m) {
   vec2 down = (glass_of(row, view.step_y).xy - way.xy * (dot(row.along.xyz, view.step_y) / way.z)) * scale;
   float texels = kDetail ? sqrt(abs(right.x * down.y - right.y * down.x)) : 0.0;
   float lost = kExtinction ? exp(-params.position.w * t_m) : 1.0;
-  return row.glass.rgb * pane_mean(row, at, texels) * lost;
+  return row.glass.rgb * pane_mean(pane_image(row), at, texels) * lost;
 }
 
 // The panes whose shafts the rays of the tile's pixels may meet, a bit each.

@@ -141,7 +141,14 @@
 #define FL_BINDING_TEXTURES (103 + FL_LAMP_COUNT)
 #define FL_BINDING_TEXTURE_TEXELS (104 + FL_LAMP_COUNT)
 #define FL_BINDING_OBJECT_UVS (105 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (106 + FL_LAMP_COUNT)
+// Panes in one plane (shaftlines.comp): PaneGroupRow; GroupPaneRow; words of their grids; PaneFansRow; the sums
+// along the lines of fans, three pairs of floats an entry.
+#define FL_BINDING_PANE_GROUPS (106 + FL_LAMP_COUNT)
+#define FL_BINDING_GROUP_PANES (107 + FL_LAMP_COUNT)
+#define FL_BINDING_PANE_GRIDS (108 + FL_LAMP_COUNT)
+#define FL_BINDING_PANE_FANS (109 + FL_LAMP_COUNT)
+#define FL_BINDING_PANE_LINES (110 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (111 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -245,6 +252,10 @@
 #define FL_GROUP_MIRRORS 64  // mirrors that a workgroup tests at once
 #define FL_GROUP_SHAFTS 64  // words of occluders a workgroup
 #define FL_PANES_MAX 256  // of a rig; a multiple of 32
+#define FL_GROUP_PANE_FANS 64       // groups of panes a workgroup
+#define FL_GROUP_PANE_LINES 128     // threads that a line has
+#define FL_PANE_STATIONS_MAX 512    // places on a line that have sums
+#define FL_PANE_GRID_COUNT_BITS 9   // of a word of a grid: panes of its cell; above them where its list begins
 #define FL_SPLAT_PX 32  // a workgroup that adds the splats of lenses has so many pixels a side
 // The meter of the automatic exposure counts pixels by their luminance: FL_METER_STEPS bins an octave, from
 // 2^FL_METER_LOW cd/m^2.
@@ -412,6 +423,58 @@ struct PaneRow {
   uint pad_1;
   uint pad_2;
   uint pad_3;
+};
+
+// Panes in one plane, and the rectangle around them, which has the places of PaneRow as if it were a pane; 144 bytes.
+struct PaneGroupRow {
+  vec4 center;  // m; w: half its diagonal, m
+  vec4 across;  // 1/m; w: half its width, m
+  vec4 upward;  // w: half its height, m
+  vec4 along;   // without a unit; w: 1, or 0 where the sun lies in the plane
+  vec4 sun;     // xyz: unit, in which light travels
+  float texel_u;  // the smallest texel of the panes, in u and v
+  float texel_v;
+  uint pane_first;  // rows of GroupPaneRow
+  uint pane_count;
+  uint grid_first;  // word; a word a cell, from the lower left, and behind them lists of rows of GroupPaneRow
+  uint grid_x;      // cells
+  uint grid_y;
+  uint lines;       // that the table has for the group
+  uint line_first;  // entry
+  uint stations;    // entries of a line
+  uint is_even;     // 1: few panes without images, which need no table
+  uint pad;
+  vec4 pad_2;
+};
+// A pane in its group, 80 bytes.
+struct GroupPaneRow {
+  vec4 to_u;   // u on the pane: dot(xyz, (u, v, 1) of the group)
+  vec4 to_v;
+  vec4 light;  // as PaneRow
+  vec4 glass;
+  uint texel_first;
+  uint width;
+  uint height;
+  uint levels;
+};
+// Lines through the point of the plane that the sun's light through the camera crosses (shaft.h), 32 bytes.
+struct PaneFanRow {
+  float q_low;
+  float q_step;  // from a line to the next
+  float p_low;
+  float p_step;  // from a station to the next
+  uint first;    // line of the group
+  uint lines;    // 0: no glass lies there
+  float p_middle;
+  uint pad;
+};
+// The four fans of a group, and whether its table is that of the frame before; 144 bytes.
+struct PaneFansRow {
+  float eye_u;  // the point
+  float eye_v;
+  uint detail;   // bits of what else the table depends on; 0: there is none yet
+  uint is_new;   // 0: the sums stay
+  PaneFanRow fans[4];
 };
 
 // A display: a rectangle of pixels that shines from one side, 144 bytes.

@@ -49,50 +49,61 @@ struct ShaftSolid {
   Vec3 half_2;
 };
 
+// The same as what lies between three pairs of planes: dot(normal, place) is within `reach` of a middle. The normals
+// are turned to where the light goes, and `speed` is what dot(normal, place) grows by along a metre of light.
+struct ShaftSlabs {
+  Vec3 normal_0;
+  Vec3 normal_1;
+  Vec3 normal_2;
+  Vec3 middle;
+  Vec3 speed;
+  Real reach;  // 0: the solid is flat, and hides nothing
+};
+
+FL_FN ShaftSlabs shaft_slabs(FL_IN(ShaftSolid) solid, Vec3 sun) {
+  ShaftSlabs slabs;
+  slabs.normal_0 = cross(solid.half_1, solid.half_2);
+  slabs.normal_1 = cross(solid.half_2, solid.half_0);
+  slabs.normal_2 = cross(solid.half_0, solid.half_1);
+  slabs.reach = abs(dot(slabs.normal_2, solid.half_2));
+  slabs.speed = Vec3(dot(slabs.normal_0, sun), dot(slabs.normal_1, sun), dot(slabs.normal_2, sun));
+  if (slabs.speed.x < Real(0)) slabs.normal_0 = slabs.normal_0 * Real(-1);
+  if (slabs.speed.y < Real(0)) slabs.normal_1 = slabs.normal_1 * Real(-1);
+  if (slabs.speed.z < Real(0)) slabs.normal_2 = slabs.normal_2 * Real(-1);
+  slabs.speed = abs(slabs.speed);
+  slabs.middle = Vec3(dot(slabs.normal_0, solid.center), dot(slabs.normal_1, solid.center),
+                      dot(slabs.normal_2, solid.center));
+  return slabs;
+}
+
 // The part of a ray, from one place to another, for which a solid hides the sun: from there back towards the pane, at
 // a distance of nearest_m or more and before the pane, the path is in the solid. In the plane of x and the distance
 // this is a convex figure of eight edges; what it covers of x follows from all pairs of a lower and an upper bound of
 // the distance. from_c, to_c: how far behind the pane the two places are.
-FL_FN bool shaft_shadow(FL_IN(ShaftSolid) solid, Vec3 sun, Vec3 from, Vec3 to, Real from_c, Real to_c, Real nearest_m,
+FL_FN bool shaft_shadow(FL_IN(ShaftSlabs) slabs, Vec3 from, Vec3 to, Real from_c, Real to_c, Real nearest_m,
                         FL_INOUT(Real) x0, FL_INOUT(Real) x1) {
-  Real low_from[4];
-  Real low_to[4];
-  Real high_from[4];
-  Real high_to[4];
-  Real speed[4];
-  Vec3 a = from - solid.center;
-  Vec3 b = to - solid.center;
-  Real reach = abs(dot(cross(solid.half_0, solid.half_1), solid.half_2));
-  for (uint i = uint(0); i < uint(3); ++i) {
-    Vec3 n = i == uint(0)   ? cross(solid.half_1, solid.half_2)
-             : i == uint(1) ? cross(solid.half_2, solid.half_0)
-                            : cross(solid.half_0, solid.half_1);
-    Real along = dot(n, sun);
-    if (along < Real(0)) n = n * Real(-1);
-    speed[i] = abs(along);
-    low_from[i] = dot(n, a) - reach;
-    low_to[i] = dot(n, b) - reach;
-    high_from[i] = dot(n, a) + reach;
-    high_to[i] = dot(n, b) + reach;
-  }
-  low_from[3] = nearest_m;
-  low_to[3] = nearest_m;
-  high_from[3] = from_c;
-  high_to[3] = to_c;
-  speed[3] = Real(1);
-  for (uint i = uint(0); i < uint(4); ++i) {
-    for (uint j = uint(0); j < uint(4); ++j) {
-      if (!shadow_cut(low_from[i] * speed[j] - high_from[j] * speed[i], low_to[i] * speed[j] - high_to[j] * speed[i],
-                      x0, x1)) {
+  Vec3 a = Vec3(dot(slabs.normal_0, from), dot(slabs.normal_1, from), dot(slabs.normal_2, from)) - slabs.middle;
+  Vec3 b = Vec3(dot(slabs.normal_0, to), dot(slabs.normal_1, to), dot(slabs.normal_2, to)) - slabs.middle;
+  for (int i = 0; i < 3; ++i) {
+    Real speed = slabs.speed[i];
+    // Between this pair of planes and another, from the pane on, and up to the place.
+    for (int j = 0; j < 3; ++j) {
+      if (i == j) continue;
+      if (!shadow_cut((a[i] - slabs.reach) * slabs.speed[j] - (a[j] + slabs.reach) * speed,
+                      (b[i] - slabs.reach) * slabs.speed[j] - (b[j] + slabs.reach) * speed, x0, x1)) {
         return false;
       }
     }
+    if (!shadow_cut(a[i] - slabs.reach - from_c * speed, b[i] - slabs.reach - to_c * speed, x0, x1)) return false;
+    if (!shadow_cut(nearest_m * speed - a[i] - slabs.reach, nearest_m * speed - b[i] - slabs.reach, x0, x1)) {
+      return false;
+    }
   }
-  return reach > Real(0);
+  return shadow_cut(nearest_m - from_c, nearest_m - to_c, x0, x1) && slabs.reach > Real(0);
 }
 
 // Disjoint dark parts of a ray in a shaft, ascending. When there are more than these, the narrowest are given up.
-#define FL_SHAFT_PARTS 8
+#define FL_SHAFT_PARTS 16
 struct ShaftDark {
   uint count;
   Real from[FL_SHAFT_PARTS];
@@ -133,4 +144,56 @@ FL_FN void shaft_add_dark(FL_INOUT(ShaftDark) dark, Real x0, Real x1) {
   dark.from[at] = x0;
   dark.to[at] = x1;
   dark.count = kept + uint(1);
+}
+
+// Lines on the glass through the point E that the sun's light through the camera crosses: the picture of a ray lies on
+// one of them, from E on. In places of the glass, where its rectangle goes from -1 to 1, four fans of lines have p
+// along u, against u, along v and against v, and q = (the other - that of E) / p is between -1 and 1. E may lie
+// anywhere.
+struct ShaftFan {
+  Real q_low;  // of the lines that meet the rectangle; none do if it is not below q_high
+  Real q_high;
+  Real p_low;  // between which the rectangle lies
+  Real p_high;
+};
+
+FL_FN ShaftFan shaft_fan(uint side, Vec2 eye) {
+  Vec2 low = Vec2(-1, -1) - eye;
+  Vec2 high = Vec2(1, 1) - eye;
+  bool upright = side >= uint(2);
+  bool turned = (side & uint(1)) != uint(0);
+  Vec2 p = upright ? Vec2(low.y, high.y) : Vec2(low.x, high.x);
+  Vec2 other = upright ? Vec2(low.x, high.x) : Vec2(low.y, high.y);
+  if (turned) p = Vec2(-p.y, -p.x);
+  ShaftFan fan;
+  fan.p_low = max(p.x, Real(0));
+  fan.p_high = p.y;
+  fan.q_low = Real(1);
+  fan.q_high = Real(-1);
+  if (!(p.y > Real(0))) return fan;
+  // The steepest line meets a near corner, if it is not beyond 45 degrees there.
+  Real near_low = -other.x >= fan.p_low ? Real(-1) : other.x / fan.p_low;
+  Real near_high = other.y >= fan.p_low ? Real(1) : other.y / fan.p_low;
+  fan.q_low = other.x < Real(0) ? near_low : min(other.x / fan.p_high, Real(1));
+  fan.q_high = other.y > Real(0) ? near_high : max(other.y / fan.p_high, Real(-1));
+  return fan;
+}
+
+// The side of the fan that the picture of a ray lies in; way: u and v of the ray.
+FL_FN uint shaft_fan_side(Vec2 way) {
+  bool upright = abs(way.y) > abs(way.x);
+  return (upright ? uint(2) : uint(0)) + ((upright ? way.y : way.x) < Real(0) ? uint(1) : uint(0));
+}
+FL_FN Vec2 shaft_fan_place(uint side, Vec2 eye, Real q, Real p) {
+  Real along = (side & uint(1)) != uint(0) ? -p : p;
+  return eye + (side >= uint(2) ? Vec2(q * p, along) : Vec2(along, q * p));
+}
+
+// Of exp(-loss y), y from -1/2 to 1/2: its mean, and the slope of the line with the least squares; for a loss between
+// -FL_SHAFT_PIECE_LOSS and FL_SHAFT_PIECE_LOSS.
+#define FL_SHAFT_PIECE_LOSS 0.5
+FL_FN Vec2 shaft_line(Real loss) {
+  Real square = loss * loss;
+  return Vec2(Real(1) + square * (Real(1) / Real(24) + square / Real(1920)),
+              -loss * (Real(1) + square * (Real(1) / Real(40) + square / Real(4480))));
 }
