@@ -244,6 +244,13 @@ TEST_CASE("no pane gives a picture that is not finite, and only a sun in its pla
                  s.rig.boxes.push_back({"deck", low, low + glm::dvec3(0.17, 0.7, 0.6), glm::dvec3(0.3)});
                }
              }},
+        Case{"more boxes than a tile lists", usual,
+             [](Scene& s) {
+               for (int i = 0; i < 90; ++i) {
+                 const glm::dvec3 low(-0.8 + 0.2 * (i % 9), 2.3, 1.2 + 0.2 * (i / 9));
+                 s.rig.boxes.push_back({"box", low, low + glm::dvec3(0.05), glm::dvec3(0.3)});
+               }
+             }},
         Case{"no haze", usual, [](Scene& s) { s.rig.haze.scattering_per_m = 0; }}}) {
     CAPTURE(std::string(c.what));
     Scene scene = pane_scene(kFloor + kThings, "scattering_per_m = 0.03", c.direction);
