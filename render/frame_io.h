@@ -22,6 +22,7 @@ static_assert(sizeof(LaserListRow) == 16);
 static_assert(sizeof(GlossRow) == 48);
 static_assert(sizeof(PaneRow) == 144);
 static_assert(sizeof(PaneGroupRow) == 144 && sizeof(GroupPaneRow) == 80 && sizeof(PaneFanRow) == 32);
+static_assert(sizeof(PaneFansRow) == 144);
 static_assert(sizeof(DisplayRow) == 144);
 static_assert(sizeof(DisplayTileRow) == 352);
 static_assert(sizeof(DisplayListsHead) == 80 && sizeof(DisplayRecordRow) == 448);

@@ -11,9 +11,10 @@ namespace {
 
 constexpr double kSamePlane = 1e-6;    // sine between two normals, and m between two planes
 constexpr double kEmptyShareMost = 4;  // of a group's rectangle, over the area of its panes
-constexpr double kLinesMin = 1024, kLinesMax = 8192;
-constexpr double kLinesATexel = 2;  // of the rectangle's border
-constexpr double kStationsMin = 64;
+constexpr double kLinesMax = 8192;
+constexpr double kStationsATexel = 0.5;
+constexpr int kTexelsLeast = 256;         // that a side of a pane counts for
+constexpr std::uint32_t kEvenMost = 4;    // so many panes without images need no table
 constexpr double kGridMax = 64;  // cells a side
 
 struct Box {
@@ -49,7 +50,9 @@ struct Group {
   }
   [[nodiscard]] Box with(const Glass& glass, Box all) const {
     for (const double u : {-1.0, 1.0}) {
-      for (const double v : {-1.0, 1.0}) all.add(place_of(glass.center + u * glass.right + v * glass.up - first.center));
+      for (const double v : {-1.0, 1.0}) {
+        all.add(place_of(glass.center + u * glass.right + v * glass.up - first.center));
+      }
     }
     return all;
   }
@@ -105,6 +108,7 @@ void add_panes(const fixtures::Rig& rig, const std::vector<PaneRow>& rows, const
   row.pane_first = static_cast<std::uint32_t>(all.panes.size());
   row.pane_count = static_cast<std::uint32_t>(group.panes.size());
   glm::dvec2 texel(2);
+  bool even = row.pane_count <= kEvenMost;
   for (const std::size_t i : group.panes) {
     const Glass glass = glass_of(rig.panes[i]);
     const fixtures::PaneImage& image = image_of(rig.panes[i]);
@@ -120,11 +124,12 @@ void add_panes(const fixtures::Rig& rig, const std::vector<PaneRow>& rows, const
     pane.height = rows[i].height;
     pane.levels = rows[i].levels;
     all.panes.push_back(pane);
-    if (image.width * image.height == 1) continue;
-    const glm::dvec2 step_x = group.place_of(glass.right) * (2.0 / image.width) / half;
-    const glm::dvec2 step_y = group.place_of(glass.up) * (2.0 / image.height) / half;
+    even = even && image.width * image.height == 1;
+    const glm::dvec2 step_x = group.place_of(glass.right) * (2.0 / std::max(image.width, kTexelsLeast)) / half;
+    const glm::dvec2 step_y = group.place_of(glass.up) * (2.0 / std::max(image.height, kTexelsLeast)) / half;
     texel = glm::min(texel, glm::max(glm::abs(step_x), glm::abs(step_y)));
   }
+  row.is_even = even ? 1 : 0;
   row.texel_u = static_cast<float>(texel.x);
   row.texel_v = static_cast<float>(texel.y);
 }
@@ -174,8 +179,8 @@ void share_lines(PaneGroups& all) {
     all.entries = 0;
     for (PaneGroupRow& row : all.rows) {
       const double u = 2.0 / static_cast<double>(row.texel_u), v = 2.0 / static_cast<double>(row.texel_v);
-      row.lines = whole_of(share * std::clamp(2 * (u + v) * kLinesATexel, kLinesMin, kLinesMax), 32, kLinesMax);
-      row.stations = whole_of(share * std::clamp(std::max(u, v), kStationsMin, double{FL_PANE_STATIONS_MAX}), 16,
+      row.lines = whole_of(share * std::min(2 * (u + v), kLinesMax), 32, kLinesMax);
+      row.stations = whole_of(share * std::min(std::max(u, v) * kStationsATexel, double{FL_PANE_STATIONS_MAX}), 16,
                               FL_PANE_STATIONS_MAX);
       row.line_first = static_cast<std::uint32_t>(all.entries);
       all.entries += std::uint64_t{row.lines} * row.stations;
@@ -209,7 +214,7 @@ std::uint64_t pane_group_bytes(std::uint32_t binding, const fixtures::Rig& rig) 
     case FL_BINDING_PANE_GROUPS: return groups.rows.size() * sizeof(PaneGroupRow);
     case FL_BINDING_GROUP_PANES: return groups.panes.size() * sizeof(GroupPaneRow);
     case FL_BINDING_PANE_GRIDS: return groups.grids.size() * sizeof(std::uint32_t);
-    case FL_BINDING_PANE_FANS: return groups.rows.size() * 4 * sizeof(PaneFanRow);
+    case FL_BINDING_PANE_FANS: return groups.rows.size() * sizeof(PaneFansRow);
     default: return groups.entries * kPaneLineBytes;
   }
 }
@@ -222,8 +227,8 @@ Status make_pane_groups(vk::Device& device, const fixtures::Rig& rig, RigTables&
   FL_ASSIGN(r.pane_groups, vk::Buffer::table(device, groups.rows));
   FL_ASSIGN(r.group_panes, vk::Buffer::table(device, groups.panes));
   FL_ASSIGN(r.pane_grids, vk::Buffer::table(device, groups.grids));
-  FL_ASSIGN(r.pane_fans, vk::Buffer::device_local(device, groups.rows.size() * 4 * sizeof(PaneFanRow),
-                                                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+  // No table yet.
+  FL_ASSIGN(r.pane_fans, vk::Buffer::table(device, std::vector<PaneFansRow>(groups.rows.size())));
   FL_ASSIGN(r.pane_lines, vk::Buffer::device_local(device, groups.entries * kPaneLineBytes,
                                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   return {};

@@ -1,4 +1,5 @@
-// Panes that lie in one plane, near each other: groups, which share the tables of shaftlines.comp (docs/decisions/0159).
+// Panes that lie in one plane, near each other: groups, which share the tables of shaftlines.comp
+// (docs/decisions/0159).
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,7 @@
 
 namespace footlight::render {
 
-inline constexpr std::uint64_t kPaneLineBytes = 3 * 2 * sizeof(float);          // of an entry
+inline constexpr std::uint64_t kPaneLineBytes = 3 * 2 * sizeof(float);        // of an entry
 inline constexpr std::uint64_t kPaneLineBytesMax = std::uint64_t{120} << 20;  // of all groups; fits any device
 
 struct PaneGroups {

@@ -75,7 +75,7 @@ struct RigTables {
   vk::Buffer panes, pane_texels;  // PaneRow; two words of half floats a texel
   vk::Buffer pane_masks;          // bits of the occluders that reach into each shaft, or into those of each group
   vk::Buffer pane_groups, group_panes, pane_grids;  // PaneGroupRow, GroupPaneRow, words
-  vk::Buffer pane_fans, pane_lines;                 // of a frame: PaneFanRow; sums of the glass along lines
+  vk::Buffer pane_fans, pane_lines;                 // PaneFansRow; sums of the glass along lines
   vk::Buffer displays, display_levels, display_jobs;  // DisplayRow, DisplayLevelRow, DisplayJobRow
   vk::Buffer display_cells;                           // words of the cells of displays, on all levels
   vk::Buffer gloss;          // GlossRow

@@ -6,6 +6,7 @@
 #include "fixtures/glass/pane.h"
 #include "render/passes/compute_pass.h"
 #include "shaders/hazeshafts.comp.h"
+#include "shaders/shaftfans.comp.h"
 #include "shaders/shaftlight.comp.h"
 #include "shaders/shaftlines.comp.h"
 #include "shaders/shaftmasks.comp.h"
@@ -19,7 +20,7 @@ static_assert(FL_PANES_MAX == fixtures::kPanesMax);
 class ShaftsPass final : public Pass {
  public:
   struct Steps {
-    std::optional<BoundPipeline> masks, lines;
+    std::optional<BoundPipeline> masks, fans, lines;
     BoundPipeline light;
   };
   ShaftsPass(const PassContext& context, Steps steps, bool has_tables)
@@ -37,6 +38,9 @@ class ShaftsPass final : public Pass {
       vkCmdDispatch(commands, groups_of(words_, FL_GROUP_SHAFTS), masked_, 1);
     }
     if (steps_.lines) {
+      steps_.fans->bind(commands);
+      vkCmdDispatch(commands, groups_of(groups_, FL_GROUP_PANE_FANS), 1, 1);
+      vk::full_barrier(commands);
       steps_.lines->bind(commands);
       vkCmdDispatch(commands, lines_, groups_, 1);
     }
@@ -77,6 +81,7 @@ const PassEntry kShaftsPass{
         FL_ASSIGN(steps.masks, BoundPipeline::compute(context, kShaftmasksComp, context.constants));
       }
       if (tables && has_constant(context, FL_SPEC_AIR)) {
+        FL_ASSIGN(steps.fans, BoundPipeline::compute(context, kShaftfansComp, context.constants));
         FL_ASSIGN(steps.lines, BoundPipeline::compute(context, kShaftlinesComp, context.constants));
       }
       const vk::Spirv light = tables ? vk::Spirv(kShaftlightComp)
@@ -86,8 +91,8 @@ const PassEntry kShaftsPass{
       return std::unique_ptr<Pass>(new ShaftsPass(context, std::move(steps), tables));
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kShaftmasksComp}, {kShaftlinesComp}, {kShaftlightComp}, {kShaftsComp},
-                                                 {kHazeshaftsComp}};
+      return std::vector<std::vector<vk::Spirv>>{{kShaftmasksComp}, {kShaftfansComp}, {kShaftlinesComp},
+                                                 {kShaftlightComp}, {kShaftsComp},    {kHazeshaftsComp}};
     },
     "shafts of sunlight behind panes, and the panes"};
 

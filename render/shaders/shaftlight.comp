@@ -23,7 +23,7 @@ layout(constant_id = FL_SPEC_AIR) const bool kAir = true;
 layout(constant_id = FL_SPEC_DETAIL) const bool kDetail = true;  // images as fine as pixels; else always whole ones
 layout(set = 0, binding = FL_BINDING_HEADS, std430) readonly buffer HeadsBuffer { HeadRow heads[]; };
 layout(set = 0, binding = FL_BINDING_PANE_GRIDS, std430) readonly buffer PaneGridsBuffer { uint grids[]; };
-layout(set = 0, binding = FL_BINDING_PANE_FANS, std430) readonly buffer PaneFansBuffer { PaneFanRow fans[]; };
+layout(set = 0, binding = FL_BINDING_PANE_FANS, std430) readonly buffer PaneFansBuffer { PaneFansRow fans[]; };
 layout(set = 0, binding = FL_BINDING_PANE_LINES, std430) readonly buffer PaneLinesBuffer { vec2 sums[]; };
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
@@ -31,7 +31,6 @@ const float kPi = 3.141592653589793;
 const float kLossMost = 16.0;       // of a ray; beyond it, no light is left
 const float kStationsLeast = 3.0;   // a ray that goes by fewer of them takes samples of the glass
 const float kSamples = 8.0;         // so many
-const uint kEvenMost = 4u;          // a group of so many panes without images needs no table
 const uint kWords = uint(FL_PANES_MAX) / 32u;
 
 // A pixel's ray, and what it shows of the plane of a group.
@@ -85,18 +84,29 @@ Line line_of(PaneGroupRow row, PaneFanRow fan, float q) {
   uint line = min(uint(at), fan.lines - 2u);
   return Line(row.line_first + (fan.first + line) * row.stations, at - float(line), fan, row.stations);
 }
+// Between two stations the light is taken as linear, by its sum and its moment there.
 Sums sums_at(Line line, float p) {
   float at = clamp((p - line.fan.p_low) / line.fan.p_step, 0.0, float(line.stations - 1u));
   uint station = min(uint(at), line.stations - 2u);
   float f = at - float(station);
   uint entry = 3u * (line.entry + station);
   uint next = entry + 3u * line.stations;
-  vec2 of[3];
+  vec2 low[3];
+  vec2 high[3];
   for (uint color = 0u; color < 3u; ++color) {
-    of[color] = mix(mix(sums[entry + color], sums[entry + 3u + color], f),
-                    mix(sums[next + color], sums[next + 3u + color], f), line.to_next);
+    low[color] = mix(sums[entry + color], sums[next + color], line.to_next);
+    high[color] = mix(sums[entry + 3u + color], sums[next + 3u + color], line.to_next);
   }
-  return Sums(vec3(of[0].x, of[1].x, of[2].x), vec3(of[0].y, of[1].y, of[2].y));
+  vec3 sum = vec3(low[0].x, low[1].x, low[2].x);
+  vec3 moment = vec3(low[0].y, low[1].y, low[2].y);
+  vec3 whole = vec3(high[0].x, high[1].x, high[2].x) - sum;
+  float from = line.fan.p_low + float(station) * line.fan.p_step - line.fan.p_middle;
+  vec3 slope = (vec3(high[0].y, high[1].y, high[2].y) - moment - (from + 0.5 * line.fan.p_step) * whole) *
+               (12.0 / line.fan.p_step);
+  slope = clamp(slope, -2.0 * whole, 2.0 * whole);  // light is nowhere below 0
+  vec3 part = f * (whole + (0.5 * f - 0.5) * slope);
+  vec3 part_moment = f * f * (0.5 * whole + (f * (1.0 / 3.0) - 0.25) * slope);
+  return Sums(sum + part, moment + from * part + line.fan.p_step * part_moment);
 }
 
 // How much of the light is lost at t_m of the ray.
@@ -112,8 +122,6 @@ vec3 light_by_table(Line line, vec3 eye, vec3 way, float speed, float from_m, fl
   float loss = loses / pieces;
   float step_p = (to_m - from_m) * speed / pieces;
   vec2 left = shaft_line(loss);
-  // Of a piece that is not longer than a station, where its light lies is not known.
-  left.y *= clamp(0.5 * (step_p / line.fan.p_step - 1.0), 0.0, 1.0);
   vec3 light = vec3(0.0);
   Sums begin = sums_at(line, from_m * speed);
   for (float i = 0.0; i < pieces; i += 1.0) {
@@ -203,9 +211,9 @@ vec3 light_in_air(uint group, PaneGroupRow row, View view, vec3 eye, vec3 way, f
   dark.count = 0u;
   if (kShadows && tile_solid_count > 0u) dark = dark_of(group, row.sun.xyz, view, eye, way, from_m, to_m);
   uint side = shaft_fan_side(way.xy);
-  PaneFanRow fan = fans[4u * group + side];
+  PaneFanRow fan = fans[group].fans[side];
   float speed = max(abs(way.x), abs(way.y));
-  bool even = row.pane_count <= kEvenMost && row.texel_u == 2.0 && row.texel_v == 2.0;
+  bool even = row.is_even != 0u;
   bool is_short = !((to_m - from_m) * speed > kStationsLeast * fan.p_step) || fan.lines < 2u;
   Line line;
   if (!even && !is_short) line = line_of(row, fan, (side >= 2u ? way.x : way.y) / speed);
@@ -284,38 +292,19 @@ vec3 light_of_glass(PaneGroupRow row, View view, vec3 eye, vec3 way, float end_m
   return glass_at(row, at, right, down, true) * lost;
 }
 
-// The planes at the sides of the tile's pyramid, through the camera and turned inwards; unit.
-void find_sides(out vec3 sides[4]) {
+// Sets tile_sides.
+void find_sides() {
+  uint side = gl_LocalInvocationIndex;
+  if (side >= 4u) return;
   vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
-  vec2 high = low + float(FL_TILE_PX);
-  vec3 corner[4] = vec3[4](ray_through(low), ray_through(vec2(high.x, low.y)), ray_through(high),
-                           ray_through(vec2(low.x, high.y)));
-  vec3 middle = ray_through(0.5 * (low + high));
-  for (int side = 0; side < 4; ++side) {
-    sides[side] = normalize(cross(corner[side], corner[(side + 1) & 3]));
-    if (dot(sides[side], middle) < 0.0) sides[side] = -sides[side];
-  }
+  tile_sides[side] = side_of(low, low + float(FL_TILE_PX), side);
 }
-// False only where no ray of the tile meets the group or what lies behind it.
-bool group_meets_tile(PaneGroupRow row, vec3 sides[4]) {
-  mat3 axes = inverse(transpose(mat3(row.across.xyz, row.upward.xyz, row.along.xyz)));  // of u, v and c, m
-  vec3 center = row.center.xyz - params.position.xyz;
-  float slack = 1e-5 * (length(center) + length(axes[0]) + length(axes[1]) + params.up.w * length(axes[2]));
-  bool meets = true;
-  for (int side = 0; side < 4; ++side) {
-    vec3 reach = vec3(dot(sides[side], axes[0]), dot(sides[side], axes[1]), dot(sides[side], axes[2]) * params.up.w);
-    float most = dot(sides[side], center) + abs(reach.x) + abs(reach.y) + max(reach.z, 0.0);
-    meets = meets && !(most < -slack);  // what is not a number meets
-  }
-  return meets;
-}
-
 // Sets tile_groups.
-void find_groups(vec3 sides[4]) {
+void find_groups() {
   if (gl_LocalInvocationIndex < kWords) tile_groups[gl_LocalInvocationIndex] = 0u;
   barrier();
   for (uint group = gl_LocalInvocationIndex; group < uint(groups.length()); group += uint(FL_TILE_PX * FL_TILE_PX)) {
-    if (group_meets_tile(groups[group], sides)) atomicOr(tile_groups[group / 32u], 1u << (group % 32u));
+    if (group_meets(groups[group], tile_sides)) atomicOr(tile_groups[group / 32u], 1u << (group % 32u));
   }
   barrier();
 }
@@ -348,9 +337,8 @@ View view_of(uvec2 pixel) {
 }
 
 void main() {
-  vec3 sides[4];
-  find_sides(sides);
-  find_groups(sides);
+  find_sides();
+  find_groups();
   uint any_group = 0u;
   for (uint word = 0u; word < kWords; ++word) any_group |= tile_groups[word];
   if (any_group == 0u) return;
@@ -359,7 +347,7 @@ void main() {
   View view = view_of(pixel);
   Surface surface = Surface(kNothing, 0u, vec3(0.0, 0.0, 1.0), 0.0, 0u);
   if (inside) surface = surface_at(ivec2(pixel), view.ray);
-  if (kShadows) find_solids(groups[0].sun.xyz, view.ray * min(surface.t_m, tile_reach()), sides);
+  if (kShadows) find_solids(groups[0].sun.xyz, view.ray * min(surface.t_m, tile_reach()));
   if (!inside) return;
   vec3 air = vec3(0.0);
   vec3 lx = vec3(0.0);
@@ -381,6 +369,7 @@ void main() {
     float lost = kExtinction ? exp(-params.position.w * surface.t_m) : 1.0;
     sum += albedo_of(surface) / kPi * lx * lost;
   }
+  if (sum.r + sum.g + sum.b == 0.0) return;
   vec4 behind = imageLoad(radiance, ivec2(pixel));
   imageStore(radiance, ivec2(pixel), vec4(behind.rgb + sum, behind.a));
 }

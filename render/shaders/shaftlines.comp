@@ -1,7 +1,7 @@
 #version 460
-// Tables of groups of panes: along lines through the point of the glass that the camera's picture is (shaft.h), the sum
-// of the light that the glass lets through and its first moment, from where the fan of lines meets the glass to each
-// station. A workgroup sums one line.
+// Tables of groups of panes: along the lines of fans (shaft.h), the sum of the light that the glass lets through and
+// its first moment, from where the fan meets the glass to each station. A workgroup sums one line. Tables stay while
+// the camera stays.
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/shared/gauss.h"
@@ -13,13 +13,10 @@
 
 layout(local_size_x = FL_GROUP_PANE_LINES) in;
 layout(constant_id = FL_SPEC_DETAIL) const bool kDetail = true;  // images as fine as pixels; else always whole ones
-layout(set = 0, binding = FL_BINDING_PANE_FANS, std430) writeonly buffer PaneFansBuffer { PaneFanRow fans[]; };
+layout(set = 0, binding = FL_BINDING_PANE_FANS, std430) readonly buffer PaneFansBuffer { PaneFansRow fans[]; };
 layout(set = 0, binding = FL_BINDING_PANE_LINES, std430) writeonly buffer PaneLinesBuffer { vec2 sums[]; };
 
 const uint kThreads = uint(FL_GROUP_PANE_LINES);
-const float kTexelsAStep = 0.75;  // of the sums
-const float kStepsMax = 64.0;     // from a station to the next
-const float kPixelsALine = 0.7;   // lines are no closer
 
 // Of each station, sum and moment of each colour; then from the first one on.
 shared vec2 station_sums[3 * FL_PANE_STATIONS_MAX];
@@ -28,72 +25,55 @@ shared vec2 scan[3 * FL_GROUP_PANE_LINES];
 shared uint met[FL_PANES_MAX / 32];
 shared vec2 parts[FL_PANES_MAX];
 
-PaneFanRow fan_row(PaneGroupRow row, ShaftFan fan) {
-  float stations = float(row.stations);
-  PaneFanRow of;
-  of.q_low = fan.q_low;
-  of.q_step = 0.0;
-  of.p_low = fan.p_low;
-  of.p_step = (fan.p_high - fan.p_low) / (stations - 1.0);
-  of.p_middle = 0.5 * (fan.p_low + fan.p_high);
-  of.first = 0u;
-  of.lines = 0u;
-  of.pad = 0u;
-  return of;
-}
-
-// Shares the lines of the group among the four fans by the texels that they cross at their far ends.
-void share_lines(PaneGroupRow row, vec2 eye, out PaneFanRow rows[4]) {
-  float needs[4];
-  float all = 0.0;
-  ShaftFan of[4];
-  for (uint side = 0u; side < 4u; ++side) {
-    of[side] = shaft_fan(side, eye);
-    rows[side] = fan_row(row, of[side]);
-    float range = max(of[side].q_high - of[side].q_low, 0.0);
-    needs[side] = range > 0.0 ? range * of[side].p_high / (side >= 2u ? row.texel_u : row.texel_v) : 0.0;
-    all += needs[side];
-  }
-  uint first = 0u;
-  for (uint side = 0u; side < 4u; ++side) {
-    if (!(needs[side] > 0.0)) continue;
-    float range = of[side].q_high - of[side].q_low;
-    float lines = 2.0 + float(row.lines - 8u) * min(needs[side] / all, 1.0);
-    if (kDetail) {
-      float slopes = range * (side >= 2u ? row.across.w / row.upward.w : row.upward.w / row.across.w);
-      lines = min(lines, 2.0 + slopes / (kPixelsALine * pixel_rad()));
-    }
-    rows[side].first = first;
-    rows[side].lines = uint(lines);
-    rows[side].q_step = range / float(rows[side].lines - 1u);
-    first += rows[side].lines;
-  }
-}
-
-// Sum and moment of a pane's light from p to p.
-void add_pane(GroupPaneRow pane, uint side, vec2 eye, float q, PaneFanRow fan, float from, float to, inout vec3 sum,
-              inout vec3 moment) {
+// Sum and moment of a pane's light from p to p, cell by cell between four texels: there both are polynomials of at most
+// degree 3, which Simpson's rule sums exactly.
+void add_pane(GroupPaneRow pane, uint side, vec2 eye, float q, PaneFanRow fan, float from_p, float to_p,
+              inout vec3 sum, inout vec3 moment) {
   PaneImage image = pane_image(pane);
-  vec2 across = texels_of(pane, side >= 2u ? vec2(fan.q_step, 0.0) : vec2(0.0, fan.q_step)) * (0.5 * (from + to));
   uint level = 0u;
-  if (kDetail) level = min(uint(log2(max(max(abs(across.x), abs(across.y)), 1.0))), image.levels - 1u);
-  vec2 along = abs(texels_of(pane, side >= 2u ? vec2(q, 1.0) : vec2(1.0, q))) * (to - from);
-  float steps = clamp(ceil(max(along.x, along.y) / (kTexelsAStep * float(1u << level))), 1.0, kStepsMax);
-  if (image.levels == 1u) steps = 1.0;
+  if (kDetail) {
+    vec2 across = texels_of(pane, side >= 2u ? vec2(fan.q_step, 0.0) : vec2(0.0, fan.q_step));
+    float texels = max(abs(across.x), abs(across.y)) * 0.5 * (from_p + to_p);
+    level = min(uint(log2(max(texels, 1.0))), image.levels - 1u);
+  }
   PaneLevel glass = pane_level(image, level);
-  float step_p = (to - from) / steps;
+  vec2 from = pane_place(glass, clamp(on_pane(pane, shaft_fan_place(side, eye, q, from_p)), -1.0, 1.0));
+  vec2 way = pane_place(glass, clamp(on_pane(pane, shaft_fan_place(side, eye, q, to_p)), -1.0, 1.0)) - from;
+  ivec2 cell = ivec2(floor(from));
+  ivec2 last = ivec2(floor(from + way));
+  vec2 rest = vec2(abs(last - cell));  // sides that are left to cross
+  if (image.levels == 1u) rest = vec2(0.0);
+  ivec2 ahead = ivec2(greaterThan(way, vec2(0.0)));
+  ivec2 go = 2 * ahead - 1;
+  vec2 speed = 1.0 / mix(way, vec2(1.0), equal(last, cell));
   vec3 all = vec3(0.0);
   vec3 first = vec3(0.0);
-  for (float i = 0.5; i < steps; i += 1.0) {
-    float p = from + i * step_p;
-    vec2 place = pane_place(glass, clamp(on_pane(pane, shaft_fan_place(side, eye, q, p)), -1.0, 1.0));
-    vec2 low = floor(place);
-    vec3 light = pane_value(pane_cell(glass, ivec2(low)), place - low);
-    all += light;
-    first += light * (p - fan.p_middle);
+  vec3 light;
+  uint steps = uint(rest.x + rest.y);
+  float y = 0.0;
+  for (uint i = 0u; i <= steps; ++i) {
+    vec2 next = (vec2(cell + ahead) - from) * speed;
+    next = mix(next, vec2(2.0), lessThan(rest, vec2(0.5)));
+    float end_y = clamp(min(next.x, next.y), y, 1.0);
+    PaneCell corners = pane_cell(glass, cell);
+    vec2 f = from - vec2(cell);
+    float middle_y = 0.5 * (y + end_y);
+    if (i == 0u) light = pane_value(corners, f);
+    vec3 middle = 4.0 * pane_value(corners, f + way * middle_y);
+    vec3 end = pane_value(corners, f + way * end_y);
+    float share = end_y - y;
+    all += share * (light + middle + end);
+    first += share * (y * light + middle_y * middle + end_y * end);
+    light = end;
+    y = end_y;
+    int crossed = next.x <= next.y ? 0 : 1;
+    cell[crossed] += go[crossed];
+    rest[crossed] -= 1.0;
   }
-  sum += all * pane.light.rgb * step_p;
-  moment += first * pane.light.rgb * step_p;
+  float size_p = to_p - from_p;
+  vec3 scale = pane.light.rgb * (size_p / 6.0);
+  sum += scale * all;
+  moment += scale * ((from_p - fan.p_middle) * all + size_p * first);
 }
 
 // What a line meets of each pane.
@@ -152,24 +132,13 @@ void add_up(uint stations) {
 void main() {
   uint group = gl_WorkGroupID.y;
   uint line = gl_WorkGroupID.x;
-  PaneGroupRow row = groups[group];
-  vec2 eye = group_of(row, params.position.xyz - row.center.xyz).xy;
-  PaneFanRow rows[4];
-  if (row.along.w > 0.0) {
-    share_lines(row, eye, rows);
-  } else {  // dark
-    for (uint side = 0u; side < 4u; ++side) rows[side] = PaneFanRow(0.0, 0.0, 0.0, 0.0, 0u, 0u, 0.0, 0u);
-  }
-  if (line == 0u && gl_LocalInvocationIndex < 4u) fans[4u * group + gl_LocalInvocationIndex] = rows[gl_LocalInvocationIndex];
-  uint side = 4u;
-  PaneFanRow fan;
-  for (uint i = 0u; i < 4u; ++i) {
-    if (line - rows[i].first < rows[i].lines) {
-      side = i;
-      fan = rows[i];
-    }
-  }
+  if (fans[group].is_new == 0u) return;
+  uint side = 0u;
+  while (side < 4u && line - fans[group].fans[side].first >= fans[group].fans[side].lines) ++side;
   if (side == 4u) return;
+  PaneGroupRow row = groups[group];
+  PaneFanRow fan = fans[group].fans[side];
+  vec2 eye = vec2(fans[group].eye_u, fans[group].eye_v);
   float q = fan.q_low + fan.q_step * float(line - fan.first);
   meet_panes(row, side, eye, q, fan);
   for (uint station = gl_LocalInvocationIndex; station < row.stations; station += kThreads) {

@@ -1,18 +1,20 @@
 // Groups of panes, and the lines along which their glass is summed: no GPU.
 #include "render/pane_groups.h"
 
+#include <algorithm>
 #include <cmath>
 #include <doctest/doctest.h>
 #include <memory>
-#include <string>
+#include <utility>
+#include <vector>
 
 #include "render/beam.h"
-#include "tests/support/random.h"
+#include "tests/render/scenes.h"
 
 namespace footlight::render {
 namespace {
 
-using footlight::testing::Random;
+using testing::Random;
 
 fixtures::Pane pane_at(double x, double y, double z) {
   fixtures::Pane pane;

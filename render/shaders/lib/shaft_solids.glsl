@@ -7,6 +7,8 @@ const uint kSolidsMax = 64u;  // of a tile; with more, all that reach into a gro
 const float kSlackM = 1e-4;   // of a body that light has passed, which does not hide it on a surface
 const float kLeastFacing = 0.02;
 shared uint tile_groups[FL_PANES_MAX / 32];  // of panes, whose light the tile may show: a bit each
+// The planes at the sides of the tile's pyramid, through the camera and turned inwards; unit.
+shared vec3 tile_sides[4];
 shared uint tile_solid_count;
 shared uint tile_solids_found[kSolidsMax];
 shared uint tile_solids[kSolidsMax];  // ascending
@@ -33,7 +35,7 @@ bool reaches_into(uint group, uint solid) {
 
 // False only where nothing of the tile is in the shadow: all of it is beyond one of the solid's faces towards the sun,
 // or all of the shadow is beyond one side of the tile's pyramid.
-bool shadow_meets_tile(ShaftSolid solid, ShaftSlabs slabs, vec3 sun, vec3 low, vec3 high, vec3 sides[4]) {
+bool shadow_meets_tile(ShaftSolid solid, ShaftSlabs slabs, vec3 sun, vec3 low, vec3 high) {
   float size = length(low) + length(high);
   vec3 normals[3] = vec3[3](slabs.normal_0, slabs.normal_1, slabs.normal_2);
   for (int i = 0; i < 3; ++i) {
@@ -47,16 +49,17 @@ bool shadow_meets_tile(ShaftSolid solid, ShaftSlabs slabs, vec3 sun, vec3 low, v
     if (lowest >= slabs.middle[i] + slabs.reach + slabs.speed[i] * params.up.w + slack) return false;
   }
   for (int i = 0; i < 4; ++i) {
-    float most = dot(sides[i], solid.center) + abs(dot(sides[i], solid.half_0)) + abs(dot(sides[i], solid.half_1)) +
-                 abs(dot(sides[i], solid.half_2)) + max(dot(sides[i], sun), 0.0) * params.up.w;
+    vec3 inwards = tile_sides[i];
+    float most = dot(inwards, solid.center) + abs(dot(inwards, solid.half_0)) + abs(dot(inwards, solid.half_1)) +
+                 abs(dot(inwards, solid.half_2)) + max(dot(inwards, sun), 0.0) * params.up.w;
     if (most < -1e-5 * (length(solid.center) + params.up.w)) return false;
   }
   return true;
 }
 
-// Finds them; all threads of the tile call it, with tile_groups set. end: what the pixel shows, or how far light may be
-// seen, from the camera. There are tile_solid_count, and lists only if these are kSolidsMax or less.
-void find_solids(vec3 sun, vec3 end, vec3 sides[4]) {
+// Finds them; all threads of the tile call it, with tile_sides and tile_groups set. end: what the pixel shows, or how
+// far light may be seen, from the camera. There are tile_solid_count, and lists only if these are kSolidsMax or less.
+void find_solids(vec3 sun, vec3 end) {
   const uint kThreads = uint(FL_TILE_PX * FL_TILE_PX);
   uint thread = gl_LocalInvocationIndex;
   if (thread < 3u) {
@@ -86,7 +89,7 @@ void find_solids(vec3 sun, vec3 end, vec3 sides[4]) {
     }
     if ((reaches >> (i & 31u) & 1u) == 0u) continue;
     ShaftSolid solid = solid_of(occluders[i]);
-    if (!shadow_meets_tile(solid, shaft_slabs(solid, sun), sun, low, high, sides)) continue;
+    if (!shadow_meets_tile(solid, shaft_slabs(solid, sun), sun, low, high)) continue;
     uint place = atomicAdd(tile_solid_count, 1u);
     if (place < kSolidsMax) tile_solids_found[place] = i;
   }

@@ -141,8 +141,8 @@
 #define FL_BINDING_TEXTURES (103 + FL_LAMP_COUNT)
 #define FL_BINDING_TEXTURE_TEXELS (104 + FL_LAMP_COUNT)
 #define FL_BINDING_OBJECT_UVS (105 + FL_LAMP_COUNT)
-// Panes in one plane (shaftlines.comp): PaneGroupRow; GroupPaneRow; words of their grids; PaneFanRow, four a group; the
-// sums along the lines of fans, three pairs of floats an entry.
+// Panes in one plane (shaftlines.comp): PaneGroupRow; GroupPaneRow; words of their grids; PaneFansRow; the sums
+// along the lines of fans, three pairs of floats an entry.
 #define FL_BINDING_PANE_GROUPS (106 + FL_LAMP_COUNT)
 #define FL_BINDING_GROUP_PANES (107 + FL_LAMP_COUNT)
 #define FL_BINDING_PANE_GRIDS (108 + FL_LAMP_COUNT)
@@ -257,6 +257,7 @@
 #define FL_GROUP_MIRRORS 64  // mirrors that a workgroup tests at once
 #define FL_GROUP_SHAFTS 64  // words of occluders a workgroup
 #define FL_PANES_MAX 256  // of a rig; a multiple of 32
+#define FL_GROUP_PANE_FANS 64       // groups of panes a workgroup
 #define FL_GROUP_PANE_LINES 128     // threads that a line has
 #define FL_PANE_STATIONS_MAX 512    // places on a line that have sums
 #define FL_PANE_GRID_COUNT_BITS 9   // of a word of a grid: panes of its cell; above them where its list begins
@@ -446,8 +447,8 @@ struct PaneGroupRow {
   uint lines;       // that the table has for the group
   uint line_first;  // entry
   uint stations;    // entries of a line
-  uint pad_0;
-  uint pad_1;
+  uint is_even;     // 1: few panes without images, which need no table
+  uint pad;
   vec4 pad_2;
 };
 // A pane in its group, 80 bytes.
@@ -471,6 +472,14 @@ struct PaneFanRow {
   uint lines;    // 0: no glass lies there
   float p_middle;
   uint pad;
+};
+// The four fans of a group, and whether its table is that of the frame before; 144 bytes.
+struct PaneFansRow {
+  float eye_u;  // the point
+  float eye_v;
+  uint detail;   // bits of what else the table depends on; 0: there is none yet
+  uint is_new;   // 0: the sums stay
+  PaneFanRow fans[4];
 };
 
 // A display: a rectangle of pixels that shines from one side, 144 bytes.

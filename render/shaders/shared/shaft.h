@@ -103,7 +103,7 @@ FL_FN bool shaft_shadow(FL_IN(ShaftSlabs) slabs, Vec3 from, Vec3 to, Real from_c
 }
 
 // Disjoint dark parts of a ray in a shaft, ascending. When there are more than these, the narrowest are given up.
-#define FL_SHAFT_PARTS 8
+#define FL_SHAFT_PARTS 16
 struct ShaftDark {
   uint count;
   Real from[FL_SHAFT_PARTS];
@@ -147,8 +147,9 @@ FL_FN void shaft_add_dark(FL_INOUT(ShaftDark) dark, Real x0, Real x1) {
 }
 
 // Lines on the glass through the point E that the sun's light through the camera crosses: the picture of a ray lies on
-// one of them, from E on. In places of the glass, where its rectangle goes from -1 to 1, four fans of lines have p along
-// u, against u, along v and against v, and q = (the other - that of E) / p is between -1 and 1. E may lie anywhere.
+// one of them, from E on. In places of the glass, where its rectangle goes from -1 to 1, four fans of lines have p
+// along u, against u, along v and against v, and q = (the other - that of E) / p is between -1 and 1. E may lie
+// anywhere.
 struct ShaftFan {
   Real q_low;  // of the lines that meet the rectangle; none do if it is not below q_high
   Real q_high;
@@ -188,8 +189,8 @@ FL_FN Vec2 shaft_fan_place(uint side, Vec2 eye, Real q, Real p) {
   return eye + (side >= uint(2) ? Vec2(q * p, along) : Vec2(along, q * p));
 }
 
-// Of exp(-loss y), y from -1/2 to 1/2: its mean, and the slope of the line through it with the least squares; for a loss
-// between -FL_SHAFT_PIECE_LOSS and FL_SHAFT_PIECE_LOSS.
+// Of exp(-loss y), y from -1/2 to 1/2: its mean, and the slope of the line with the least squares; for a loss between
+// -FL_SHAFT_PIECE_LOSS and FL_SHAFT_PIECE_LOSS.
 #define FL_SHAFT_PIECE_LOSS 0.5
 FL_FN Vec2 shaft_line(Real loss) {
   Real square = loss * loss;
