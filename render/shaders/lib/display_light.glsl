@@ -122,8 +122,14 @@ vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float
 }
 
 // Rays are integrated over w, where the distance from the nearest place is d sinh(w): near a display a node stands for
-// a part of d, and far away each has the same share of the distance. Pieces of w have four nodes.
+// a part of d, and far away each has the same share of the distance. Pieces of w have four nodes. They are
+// shorter where much is lost within the size of what is seen, and in clouds, as a node stands for the haze around it.
 const float kPieceW = 1.0;
+#ifdef FL_USE_HAZE
+const float kPieceMostW = kPieceW;
+#else
+const float kPieceMostW = 2.0;
+#endif
 const uint kPiecesMost = 32u;
 const float kFar = 30.0;       // in sizes of what is seen; beyond, light falls with the square of the distance
 const float kNearest = 0.25;   // of the shorter side of a display: nearer to it d stays
@@ -161,7 +167,8 @@ vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m
   if (ray.z == 0.0 && !(eye.z > 0.0)) return vec3(0.0);
   vec2 half_m = vec2(row.right.w, row.down.w);
   float middle_m = max(-dot(eye, ray), begin_m);
-  float far_m = middle_m + kFar * (length(half_m) + length(eye + ray * middle_m));
+  float size_m = length(half_m) + length(eye + ray * middle_m);
+  float far_m = middle_m + kFar * size_m;
   float last_m = end_m;
   end_m = min(end_m, far_m);
   if (!(end_m > begin_m)) return vec3(0.0);
@@ -169,7 +176,8 @@ vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m
   float d = max(display_distance(eye + ray * nearest_m, half_m.x, half_m.y), 2.0 * kNearest * min(half_m.x, half_m.y));
   float first = w_of((begin_m - nearest_m) / d);
   float whole = w_of((end_m - nearest_m) / d) - first;
-  uint pieces = uint(clamp(ceil(whole / kPieceW), 1.0, float(kPiecesMost)));
+  float piece_w = clamp(kPieceMostW * (1.0 - per_m * size_m), kPieceW, kPieceMostW);
+  uint pieces = uint(clamp(ceil(whole / piece_w), 1.0, float(kPiecesMost)));
   vec2 part_m = 2.0 * half_m / vec2(uvec2(row.columns, row.rows) << halvings(row, FL_DISPLAY_PARTS));
   float ahead_m = kAhead * max(part_m.x, part_m.y);
   float piece = whole / float(pieces);
