@@ -499,6 +499,14 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
 
 namespace {
 
+Result<vk::Buffer> make_boxes(vk::Device& device, const fixtures::Rig& rig, SheenTable& sheens) {
+  std::vector<BoxRow> boxes;
+  for (const fixtures::StageBox& box : rig.boxes) {
+    boxes.push_back({vec4(box.min_m, 0), vec4(box.max_m, 0), vec4(box.albedo, sheens.number(box.sheen))});
+  }
+  return vk::Buffer::table(device, boxes);
+}
+
 Status make_sheens(vk::Device& device, const fixtures::Rig& rig, const SheenTable& sheens, bool used,
                    fixtures::Diagnostics& diagnostics, RigTables& r) {
   r.sheen_count = static_cast<std::uint32_t>(sheens.rows().size()) - 1;
@@ -571,11 +579,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   }
   SheenTable sheens;
   if (used[FL_BINDING_BOXES]) {
-    std::vector<BoxRow> boxes;
-    for (const auto& box : shape.rig.boxes) {
-      boxes.push_back({vec4(box.min_m, 0), vec4(box.max_m, 0), vec4(box.albedo, sheens.number(box.sheen))});
-    }
-    FL_ASSIGN(r.boxes, vk::Buffer::table(device, boxes));
+    FL_ASSIGN(r.boxes, make_boxes(device, shape.rig, sheens));
   }
   FL_ASSIGN(std::future<GoboTexels> reading_gobos, begin_gobos(device, shape, used[FL_BINDING_GOBOS]));
   fixtures::Diagnostics diagnostics;

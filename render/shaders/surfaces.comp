@@ -76,7 +76,7 @@ shared bool has_sheen;       // the tile shows some
 bool has_others;  // the thread's block has pixels that do not show the plane
 
 // Adds what pixels with sheen reflect of a plain beam. off_tile: only those that have not the tile's polynomials.
-void add_plain_sheen(BeamRow row, Medium medium, float plane_facing, bool off_tile) {
+void add_plain_sheen(uint index, BeamRow row, Medium medium, float plane_facing, bool has_shade, bool off_tile) {
   vec3 lens_m = lens_place(row);
   for (int i = 0; i < int(kRows); ++i) {
     if (surface[i].sheen == 0u || (off_tile && in_tile_sheen[i])) continue;
@@ -85,6 +85,7 @@ void add_plain_sheen(BeamRow row, Medium medium, float plane_facing, bool off_ti
     float light = plain_illuminance(row, medium, offset_m[i], facing);
     if (!(light > 0.0)) continue;
     vec3 p = row.eye.xyz + to_light(row, offset_m[i]);
+    if (kMaps && has_shade) light *= map_lit(index, row, p);
     vec3 way = plain_way(row, p);
     float slant = length(way);
     reflected[i] += row.j0.rgb * light * sheen_share(sheen[i], surface[i], offset_m[i], way_on_stage(row, way / slant),
@@ -93,12 +94,12 @@ void add_plain_sheen(BeamRow row, Medium medium, float plane_facing, bool off_ti
 }
 
 // Adds a plain beam to the thread's pixels. off_plane: only to those that do not show the tile's plane. facing:
-// plain_facing() of that plane. has_shade: its map may hide some of its light.
+// plain_facing() of that plane. has_shade: its map may hide some of its light. off_tile: as add_plain_sheen() has it.
 void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facing, bool has_shade, bool off_tile) {
   BeamRow row = beams[index];
   float facing[kRows];
   [[unroll]] for (int i = 0; i < int(kRows); ++i) facing[i] = plane_facing;
-  if (kSheen && has_sheen) add_plain_sheen(row, medium, plane_facing, off_tile);
+  if (kSheen && has_sheen) add_plain_sheen(index, row, medium, plane_facing, has_shade, off_tile);
   if (kSheen && off_plane && !has_others) return;
   if (has_others) {
     vec3 lens_m = lens_place(row);

@@ -146,6 +146,30 @@ TEST_CASE("sheen of beams that are added together for a tile is that pixel by pi
   }
 }
 
+TEST_CASE("shadow maps hide highlights as exact shadows do") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = optics_scene(false);
+  without_haze(scene);
+  scene.rig.boxes.push_back({"in front", {-0.6, 3, 2.9}, {0.1, 3.3, 3.2}, glm::dvec3(0.5)});
+  for (fixtures::StageBox& box : scene.rig.boxes) box.sheen = fixtures::Sheen{0.35, 0.5};
+  recompile(scene);
+  const auto drawn = [&](std::uint32_t map_px, bool shadows) {
+    FrameSettings settings = judged_settings(kWidth, kHeight);
+    settings.shadow_map_px = map_px;
+    settings.shadows = shadows;
+    return draw_new(vulkan.device(), scene, settings);
+  };
+  const RadianceImage exact = drawn(0, true);
+  const std::vector<double> reference(exact.rgb.begin(), exact.rgb.end());
+  const double open = rel_l2(drawn(0, false), reference);
+  const double error = rel_l2(drawn(256, true), reference);
+  print_error("sheen, shadow maps", error);
+  print_error("sheen, without shadows", open);
+  CHECK(open > 0.1);
+  CHECK(error < 0.3 * open);
+}
+
 // Two walls, one beside the other, one of them a box and the other triangles: they are as bright.
 TEST_CASE("an object with sheen is as bright as a box with the same material") {
   const HeadlessVulkan vulkan;

@@ -1,7 +1,8 @@
 // Sheen of the plane that a tile shows, as polynomials: of beams that are smooth over it, as surface_class.glsl has
-// them for illuminance. What pixels of one material reflect is straight P + Q + diffuse rest R, with three sums over beams:
-// P and Q of the light that facets mirror, without and with Schlick's share, and R of what is left to the diffuse part.
-// Each is a polynomial, so that pixels may differ in their colour. After sheen.glsl and surface_class.glsl.
+// them for illuminance. What pixels of one material reflect is straight P + Q + diffuse rest R, with three sums over
+// beams: P and Q of the light that facets mirror, without and with Schlick's share, and R of what is left to the
+// diffuse part. Each is a polynomial, so that pixels may differ in their colour. After sheen.glsl and
+// surface_class.glsl.
 //
 // A highlight must not lie between nodes: the facets that mirror the lamp to the eye turn over the tile by no more than
 // kTurnMax of its width, else each pixel computes the beam.

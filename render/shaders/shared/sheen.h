@@ -1,7 +1,7 @@
 // Light of a beam that a surface with sheen reflects: isotropic GGX with Smith's height-correlated masking and
 // Schlick's Fresnel term, over a diffuse part that gets what the sheen leaves (Walter et al. 2007, "Microfacet Models
-// for Refraction through Rough Surfaces"; Heitz 2014, "Understanding the Masking-Shadowing Function"; Ashikhmin and Shirley
-// 2000, "An Anisotropic Phong BRDF Model", for the diffuse part). C++ and GLSL, after sim/shared/real.h.
+// for Refraction through Rough Surfaces"; Heitz 2014, "Understanding the Masking-Shadowing Function"; Ashikhmin and
+// Shirley 2000, "An Anisotropic Phong BRDF Model", for the diffuse part). C++ and GLSL, after sim/shared/real.h.
 //
 // Roughness and metal are those of glTF: alpha = roughness^2; what is no metal reflects kSheenDielectric of the light
 // that comes straight down, a metal its own colour. A metal has no diffuse part.
