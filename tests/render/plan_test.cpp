@@ -239,6 +239,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_AIR, 1},
                                 {FL_SPEC_DETAIL, 1},
                                 {FL_SPEC_GLOSS, 1},
+                                {FL_SPEC_TILES, 1},
                                 {FL_SPEC_HAZE, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                               {"edges",
