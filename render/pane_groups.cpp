@@ -9,7 +9,8 @@
 namespace footlight::render {
 namespace {
 
-constexpr double kSamePlane = 1e-6;    // sine between two normals, and m between two planes
+constexpr double kSameNormal = 1e-4;   // sine between two normals
+constexpr double kSamePlaneM = 2e-3;   // between two planes: what is typed in millimetres is off by that
 constexpr double kEmptyShareMost = 4;  // of a group's rectangle, over the area of its panes
 constexpr double kLinesMax = 8192;
 constexpr double kStationsATexel = 0.5;
@@ -60,8 +61,8 @@ struct Group {
   bool add(std::size_t pane, const Glass& glass) {
     const glm::dvec3 normal = glm::cross(x_axis, y_axis);
     const glm::dvec3 other = glm::normalize(glm::cross(glass.right, glass.up));
-    const bool same = glm::length(glm::cross(normal, other)) < kSamePlane &&
-                      std::abs(glm::dot(normal, glass.center - first.center)) < kSamePlane;
+    const bool same = glm::length(glm::cross(normal, other)) < kSameNormal &&
+                      std::abs(glm::dot(normal, glass.center - first.center)) < kSamePlaneM;
     const double own = 4 * glm::length(glass.right) * glm::length(glass.up);
     const Box all = with(glass, box);
     if (!same || all.area() > kEmptyShareMost * (area + own)) return false;
@@ -103,7 +104,9 @@ void add_panes(const fixtures::Rig& rig, const std::vector<PaneRow>& rows, const
   row.center = vec4(center, glm::length(half));
   row.across = vec4(glm::cross(up, along) / volume, half.x);
   row.upward = vec4(glm::cross(along, right) / volume, half.y);
-  row.along = vec4(glm::cross(right, up) / volume, shines ? 1 : 0);
+  const bool lit = std::any_of(group.panes.begin(), group.panes.end(),
+                               [&](std::size_t i) { return rows[i].light.x + rows[i].light.y + rows[i].light.z > 0; });
+  row.along = vec4(glm::cross(right, up) / volume, shines && lit ? 1 : 0);
   row.sun = vec4(sun, 0);
   row.pane_first = static_cast<std::uint32_t>(all.panes.size());
   row.pane_count = static_cast<std::uint32_t>(group.panes.size());
@@ -114,9 +117,12 @@ void add_panes(const fixtures::Rig& rig, const std::vector<PaneRow>& rows, const
     const fixtures::PaneImage& image = image_of(rig.panes[i]);
     // From places of the group to those on the pane.
     const glm::dvec3 u = glass.right / glm::dot(glass.right, glass.right), v = glass.up / glm::dot(glass.up, glass.up);
+    // Light that passes a place of the group passes the pane farther along the sun, by some millimetres at most.
+    const double farther_m = glm::dot(normal, glass.center - center) / glm::dot(normal, along);
+    const glm::dvec3 from = center + along * farther_m - glass.center;
     GroupPaneRow pane{};
-    pane.to_u = vec4(glm::dot(u, right), glm::dot(u, up), glm::dot(u, center - glass.center), 0);
-    pane.to_v = vec4(glm::dot(v, right), glm::dot(v, up), glm::dot(v, center - glass.center), 0);
+    pane.to_u = vec4(glm::dot(u, right), glm::dot(u, up), glm::dot(u, from), 0);
+    pane.to_v = vec4(glm::dot(v, right), glm::dot(v, up), glm::dot(v, from), 0);
     pane.light = rows[i].light;
     pane.glass = rows[i].glass;
     pane.texel_first = rows[i].texel_first;
@@ -173,16 +179,19 @@ void add_grid(PaneGroups& all, PaneGroupRow& row) {
   }
 }
 
-// Lines and stations of each group: by its texels, and fewer where all together have no room.
+// Lines and stations of each group that needs sums: by its texels, and fewer where all together have no room.
 void share_lines(PaneGroups& all) {
   const auto give = [&](double share) {
     all.entries = 0;
     for (PaneGroupRow& row : all.rows) {
+      row.line_first = static_cast<std::uint32_t>(all.entries);
+      row.lines = 0;
+      row.stations = 2;
+      if (row.is_even != 0 || !(row.along.w > 0)) continue;
       const double u = 2.0 / static_cast<double>(row.texel_u), v = 2.0 / static_cast<double>(row.texel_v);
       row.lines = whole_of(share * std::min(2 * (u + v), kLinesMax), 32, kLinesMax);
       row.stations = whole_of(share * std::min(std::max(u, v) * kStationsATexel, double{FL_PANE_STATIONS_MAX}), 16,
                               FL_PANE_STATIONS_MAX);
-      row.line_first = static_cast<std::uint32_t>(all.entries);
       all.entries += std::uint64_t{row.lines} * row.stations;
     }
   };
@@ -195,7 +204,7 @@ void share_lines(PaneGroups& all) {
 
 }  // namespace
 
-PaneGroups pane_groups(const fixtures::Rig& rig) {
+PaneGroups pane_groups(const fixtures::Rig& rig, bool has_sums) {
   PaneGroups all;
   const std::vector<PaneRow> rows = pane_rows(rig);
   for (const Group& group : groups_of_rig(rig)) {
@@ -204,23 +213,23 @@ PaneGroups pane_groups(const fixtures::Rig& rig) {
     add_grid(all, row);
     all.rows.push_back(row);
   }
-  share_lines(all);
+  if (has_sums) share_lines(all);
   return all;
 }
 
-std::uint64_t pane_group_bytes(std::uint32_t binding, const fixtures::Rig& rig) {
-  const PaneGroups groups = pane_groups(rig);
+std::uint64_t pane_group_bytes(std::uint32_t binding, const fixtures::Rig& rig, bool has_sums) {
+  const PaneGroups groups = pane_groups(rig, has_sums);
   switch (binding) {
     case FL_BINDING_PANE_GROUPS: return groups.rows.size() * sizeof(PaneGroupRow);
     case FL_BINDING_GROUP_PANES: return groups.panes.size() * sizeof(GroupPaneRow);
     case FL_BINDING_PANE_GRIDS: return groups.grids.size() * sizeof(std::uint32_t);
     case FL_BINDING_PANE_FANS: return groups.rows.size() * sizeof(PaneFansRow);
-    default: return groups.entries * kPaneLineBytes;
+    default: return std::max<std::uint64_t>(groups.entries, 1) * kPaneLineBytes;
   }
 }
 
-Status make_pane_groups(vk::Device& device, const fixtures::Rig& rig, RigTables& r) {
-  const PaneGroups groups = pane_groups(rig);
+Status make_pane_groups(vk::Device& device, const fixtures::Rig& rig, bool has_sums, RigTables& r) {
+  const PaneGroups groups = pane_groups(rig, has_sums);
   r.pane_group_count = static_cast<std::uint32_t>(groups.rows.size());
   r.pane_lines_most = 0;
   for (const PaneGroupRow& row : groups.rows) r.pane_lines_most = std::max(r.pane_lines_most, row.lines);
@@ -229,7 +238,7 @@ Status make_pane_groups(vk::Device& device, const fixtures::Rig& rig, RigTables&
   FL_ASSIGN(r.pane_grids, vk::Buffer::table(device, groups.grids));
   // No table yet.
   FL_ASSIGN(r.pane_fans, vk::Buffer::table(device, std::vector<PaneFansRow>(groups.rows.size())));
-  FL_ASSIGN(r.pane_lines, vk::Buffer::device_local(device, groups.entries * kPaneLineBytes,
+  FL_ASSIGN(r.pane_lines, vk::Buffer::device_local(device, pane_group_bytes(FL_BINDING_PANE_LINES, rig, has_sums),
                                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   return {};
 }

@@ -19,11 +19,11 @@ struct PaneGroups {
   std::uint64_t entries = 0;  // of the table of sums
 };
 
-[[nodiscard]] PaneGroups pane_groups(const fixtures::Rig& rig);
+[[nodiscard]] PaneGroups pane_groups(const fixtures::Rig& rig, bool has_sums = true);
 // Bytes of the buffer at a binding of groups.
-[[nodiscard]] std::uint64_t pane_group_bytes(std::uint32_t binding, const fixtures::Rig& rig);
+[[nodiscard]] std::uint64_t pane_group_bytes(std::uint32_t binding, const fixtures::Rig& rig, bool has_sums);
 
 // Makes the tables.
-Status make_pane_groups(vk::Device& device, const fixtures::Rig& rig, RigTables& r);
+Status make_pane_groups(vk::Device& device, const fixtures::Rig& rig, bool has_sums, RigTables& r);
 
 }  // namespace footlight::render

@@ -94,7 +94,7 @@ std::uint64_t pane_mask_bytes(const fixtures::Rig& rig, std::uint64_t occluders)
   return std::max<std::uint64_t>(rig.panes.size() * ((occluders + 31) / 32), 1) * 4;
 }
 
-Status make_pane_tables(vk::Device& device, const fixtures::Rig& rig, RigTables& r) {
+Status make_pane_tables(vk::Device& device, const fixtures::Rig& rig, bool has_sums, RigTables& r) {
   std::uint64_t count = 0;
   const auto places = places_of(rig, count);
   if (const std::uint64_t bytes = pane_texel_bytes(rig); bytes > device.limits().maxStorageBufferRange) {
@@ -117,7 +117,7 @@ Status make_pane_tables(vk::Device& device, const fixtures::Rig& rig, RigTables&
   FL_ASSIGN(r.pane_texels, vk::Buffer::table(device, texels));
   FL_ASSIGN(r.pane_masks,
             vk::Buffer::device_local(device, pane_mask_bytes(rig, occluders), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
-  return make_pane_groups(device, rig, r);
+  return make_pane_groups(device, rig, has_sums, r);
 }
 
 }  // namespace footlight::render

@@ -19,6 +19,6 @@ inline constexpr double kPaneCosineLeast = 1e-4;
 [[nodiscard]] std::uint64_t pane_mask_bytes(const fixtures::Rig& rig, std::uint64_t occluders);
 
 // Makes the tables. After make_shadow_tables().
-Status make_pane_tables(vk::Device& device, const fixtures::Rig& rig, RigTables& r);
+Status make_pane_tables(vk::Device& device, const fixtures::Rig& rig, bool has_sums, RigTables& r);
 
 }  // namespace footlight::render

@@ -113,6 +113,8 @@ struct PassEntry {
 [[nodiscard]] inline bool has_shafts_in_air(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shafts(needs, settings) && needs.haze && settings.view != FrameView::kLux;
 }
+// Whether light of the sun in the air is read from sums along lines of the glass; in clouds of haze it is not.
+[[nodiscard]] inline bool has_pane_sums(const fixtures::Needs& needs) { return needs.haze && !needs.haze_field; }
 // Whether anything hides light of the sun.
 [[nodiscard]] inline bool has_shafts_shadowed(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shafts(needs, settings) && settings.shadows && has_solids(needs, settings);

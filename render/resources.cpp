@@ -432,7 +432,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_GROUP_PANES:
     case FL_BINDING_PANE_GRIDS:
     case FL_BINDING_PANE_FANS:
-    case FL_BINDING_PANE_LINES: return pane_group_bytes(binding, shape.rig);
+    case FL_BINDING_PANE_LINES: return pane_group_bytes(binding, shape.rig, has_pane_sums(shape.needs));
     case FL_BINDING_DISPLAYS:
     case FL_BINDING_DISPLAY_LEVELS:
     case FL_BINDING_DISPLAY_CELLS:
@@ -597,7 +597,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   if (used[FL_BINDING_SHADOWS] || used[FL_BINDING_OCCLUDERS]) {  // the former also where there are maps
     FL_TRY(make_shadow_tables(device, shape, object_solids, r));
   }
-  if (used[FL_BINDING_PANES]) FL_TRY(make_pane_tables(device, shape.rig, r));
+  if (used[FL_BINDING_PANES]) FL_TRY(make_pane_tables(device, shape.rig, has_pane_sums(shape.needs), r));
   if (used[FL_BINDING_DISPLAYS]) FL_TRY(make_display_tables(device, shape, r));
   if (used[FL_BINDING_BOUNCE_LIGHT]) FL_TRY(make_bounce_tables(device, shape, r));
   std::vector<std::uint32_t> gobo_planes;

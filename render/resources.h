@@ -168,7 +168,7 @@ struct PictureImages {
   vk::Buffer laser_strips;              // LaserStripRow, FL_LASER_STRIPS a supertile in the mean; one without lasers
   vk::Buffer laser_lists;               // LaserListRow, one a supertile; one without lasers
   vk::Buffer display_tiles;             // DisplayTileRow, one a tile; one without displays
-  vk::Buffer display_records;           // DisplayListsHead, then display_records_max DisplayRecordRow
+  vk::Buffer display_records;           // DisplayListsHead, then DisplayRecordRow
   vk::Buffer tile_depths;               // TileDepthRow, one a tile; one row where no pass reads them
   vk::Buffer coarse;                    // CoarseRow, one a supertile; likewise
   vk::Buffer rims, cuts;                // RimRow and CutRow, rims_max and cuts_max a supertile; likewise

@@ -19,7 +19,7 @@ const float kDeepest = FL_DISPLAY_REST;
 
 shared uint leader;
 shared vec4 planes[FL_DISPLAY_RECORD_LISTS];
-shared float albedos[FL_DISPLAY_RECORD_LISTS];
+shared uint albedos[FL_DISPLAY_RECORD_LISTS];  // bits
 shared uint counts[FL_DISPLAY_RECORD_LISTS];
 shared uint low_x[FL_DISPLAY_RECORD_LISTS];
 shared uint low_y[FL_DISPLAY_RECORD_LISTS];
@@ -52,7 +52,7 @@ void main() {
     t_m = own.w / min(dot(own.xyz, ray), -1e-4);
   }
   if (thread < kLists) {
-    counts[thread] = 0u;
+    counts[thread] = albedos[thread] = 0u;
     low_x[thread] = low_y[thread] = ~0u;
     high_x[thread] = high_y[thread] = 0u;
     records[thread] = FL_NONE;
@@ -84,10 +84,7 @@ void main() {
     if (left) atomicMin(leader, thread);
     barrier();
     if (leader == ~0u) break;
-    if (thread == leader) {
-      planes[list] = own;
-      albedos[list] = display_tiles[tile].albedos[slot];
-    }
+    if (thread == leader) planes[list] = own;
     barrier();
     vec4 plane = planes[list];
     bool same = left && solid == (plane.xyz != vec3(0.0));
@@ -96,6 +93,7 @@ void main() {
       left = false;
       mine = list;
       atomicAdd(counts[list], display_tiles[tile].counts[slot]);
+      atomicMax(albedos[list], floatBitsToUint(display_tiles[tile].albedos[slot]));
       atomicMin(low_x[list], ends.x);
       atomicMin(low_y[list], ends.y);
       atomicMax(high_x[list], ends.z);
@@ -123,7 +121,7 @@ void main() {
     display_records[record].plane = planes[thread];
     display_records[record].box = vec4(low_x[thread], low_y[thread], high_x[thread] + 1u, high_y[thread] + 1u);
     display_records[record].root = record;
-    display_records[record].albedo = albedos[thread];
+    display_records[record].albedo = uintBitsToFloat(albedos[thread]);
     display_records[record].square = first.y << 16 | first.x;
   }
   if (thread < 3u && rest_record != FL_NONE) {

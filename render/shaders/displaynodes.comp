@@ -1,6 +1,6 @@
 #version 460
 // Values of the records of one level: light at nodes, and at kChecks places more. Where the polynomials through the
-// nodes are off there by more than a quarter of FrameParams::tile_error, a record is split. One workgroup a record;
+// nodes are off there by more than half of FrameParams::tile_error, a record is split. One workgroup a record;
 // kLanes threads share each place, and their sums are added in their order.
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"

@@ -18,7 +18,7 @@ const uint kFew = 8u;  // pixels do not make a plane
 
 shared uint leader;
 shared vec4 plane;
-shared float albedo;
+shared uint albedo;  // bits of the brightest channel of all pixels of the plane
 shared uint count;
 shared uint low_x;
 shared uint low_y;
@@ -47,6 +47,11 @@ void main() {
   if (is_drawn) surface = surface_at(pixel, ray);
   bool solid = surface.kind != kNothing;
   vec4 own = solid ? vec4(surface.normal, dot(surface.normal, ray) * surface.t_m) : vec4(0.0);
+  uint brightest = 0u;
+  if (solid) {
+    vec3 color = albedo_of(surface);
+    brightest = floatBitsToUint(max(max(color.r, max(color.g, color.b)), 0.0));
+  }
   uint mine = FL_DISPLAY_RECORD_NONE;
   uint planes = 0u;
   if (thread < uint(words.length())) words[thread] = 0u;
@@ -65,11 +70,7 @@ void main() {
     if (leader == ~0u) break;
     if (left && turn == leader) {
       plane = own;
-      albedo = 0.0;
-      if (solid) {
-        vec3 color = albedo_of(surface);
-        albedo = max(color.r, max(color.g, color.b));
-      }
+      albedo = 0u;
     }
     barrier();
     bool same = left && solid == (plane.xyz != vec3(0.0));
@@ -77,6 +78,7 @@ void main() {
     if (same) {
       left = false;
       take();
+      atomicMax(albedo, brightest);
     }
     barrier();
     if (count >= kFew) {
@@ -85,7 +87,7 @@ void main() {
         display_tiles[tile].planes[planes] = plane;
         display_tiles[tile].boxes[planes] = packed_box(uvec2(low_x, low_y), uvec2(high_x, high_y));
         display_tiles[tile].counts[planes] = count;
-        display_tiles[tile].albedos[planes] = albedo;
+        display_tiles[tile].albedos[planes] = uintBitsToFloat(albedo);
       }
       ++planes;
     }

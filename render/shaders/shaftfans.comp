@@ -45,11 +45,13 @@ void share_lines(PaneGroupRow row, vec2 eye, out PaneFanRow rows[4]) {
   }
   uint first = 0u;
   for (uint side = 0u; side < 4u; ++side) {
-    if (!(needs[side] > 0.0)) continue;
+    if (!(needs[side] > 0.0) || row.lines == 0u) continue;
     float range = of[side].q_high - of[side].q_low;
     float lines = 2.0 + min(float(row.lines - 8u) * min(needs[side] / all, 1.0), kLinesATexel * needs[side]);
     if (kDetail) {
+      // On the glass a ray is longer than in the air, by what the light is slanted.
       float slopes = range * (side >= 2u ? row.across.w / row.upward.w : row.upward.w / row.across.w);
+      slopes *= length(row.along.xyz);
       lines = min(lines, 2.0 + slopes / (kPixelsALine * pixel_rad()));
     }
     rows[side].first = first;

@@ -228,7 +228,9 @@ vec3 light_in_air(uint group, PaneGroupRow row, View view, vec3 eye, vec3 way, f
       float most = kLossMost / max(abs(loses), kLossMost);
       if (loses > 0.0) b_m = mix(a_m, b_m, most);
       else a_m = mix(b_m, a_m, most);
-      if (even) sum += light_of_even(row, eye, way, a_m, b_m);
+      if (!(b_m > a_m)) {
+        // Two dark parts that differ by rounding.
+      } else if (even) sum += light_of_even(row, eye, way, a_m, b_m);
       else if (is_short) sum += light_by_samples(row, eye, way, a_m, b_m);
       else sum += light_by_table(line, eye, way, speed, a_m, b_m);
     }

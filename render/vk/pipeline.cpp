@@ -241,6 +241,10 @@ Result<std::shared_ptr<const Pipeline>> Pipelines::begin_compute(Spirv spirv, st
   pipelines_[key] = pipeline;
   const std::lock_guard lock(mutex_);
   jobs_.push_back({std::move(key), pipeline, spirv, {constants.begin(), constants.end()}});
+  if (working_ == 0) {  // they have ended
+    for (std::thread& thread : threads_) thread.join();
+    threads_.clear();
+  }
   const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kThreadsMax);
   if (working_ < threads) {  // each has work: without it they end
     ++working_;

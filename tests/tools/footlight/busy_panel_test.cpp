@@ -37,7 +37,7 @@ TEST_CASE("what the picture waits for is shown after half a second, with its sha
   CHECK(ui.mark.can_cancel());
   ui.frame();
   CHECK(!ui.cancels);
-  testing::activate("busy", {"cancel (Esc)"});
+  testing::activate("busy", {"###cancel (Esc)"});
   ui.frame();
   CHECK(ui.cancels);
   ui.busy = {};

@@ -76,11 +76,21 @@ TEST_CASE("a compared log stands in the row with name, time and offset until ano
   CHECK(has(words, "-1.50 s"));
   CHECK(has(words, "1 slot differs"));
   CHECK(ui.desk.comparison().a->offset_ns == -1500 * kNsPerMs);
-  // The levels of the other log change, and those of now do not.
+  // The levels of the other log change, and those of now do not. A frozen grid keeps the differences.
   ui.desk.comparison().a->moment.levels[0] = 0;
   ui.frame();
   CHECK(has(ui.words(), "no slot differs"));
-  testing::activate("Universes", {"a", "here"});
+  testing::activate("###Universes", {"###freeze"});
+  ui.frame();
+  ui.frame();
+  ui.desk.comparison().a->moment.levels[0] = 80;
+  ui.frame();
+  CHECK(has(ui.words(), "no slot differs"));
+  testing::activate("###Universes", {"###freeze"});
+  ui.frame();
+  ui.frame();
+  CHECK(has(ui.words(), "1 slot differs"));
+  testing::activate("###Universes", {"a", "###here"});
   ui.frame();
   ui.frame();
   CHECK(ui.desk.comparison().a->log.empty());

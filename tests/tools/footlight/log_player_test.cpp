@@ -157,7 +157,7 @@ TEST_CASE("a seek gives the states of a replay from the start, to the bit, from 
 
 // A seek that takes many parts: each look at the clock finds a part over.
 struct SlowStage : Stage {
-  explicit SlowStage(render::vk::Device& device_in) : Stage(device_in, 60 * kNsPerS) {
+  explicit SlowStage(render::vk::Device& device_in) : Stage(device_in, 150 * kNsPerS) {  // no quick log
     player = std::make_unique<LogPlayer>([this] { return Timeline(log.again(), compiled); }, late);
     transport.duration_ns = player->duration_ns();
   }
@@ -240,6 +240,58 @@ TEST_CASE("a cancelled seek leaves the fixtures, the levels and the time as they
   stage.turn();
   CHECK(stage.player->now_ns() > at_ns);
   CHECK(stage.player->now_ns() < at_ns + kNsPerS);
+}
+
+TEST_CASE("a cancelled seek over a second of the log, and one that took the place of it, put the fixtures back") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  SlowStage stage(vulkan.device());
+  stage.play(4 * kNsPerS);
+  stage.transport.playing = false;
+  must(stage.frame->run_steps());
+  const TimeNs at_ns = stage.player->now_ns();
+  const render::FrameState before = stage.state();
+  stage.transport.seek_ns = 2 * kNsPerS;
+  stage.turn();
+  stage.transport.seek_ns = 55 * kNsPerS;
+  for (int i = 0; i < 5; ++i) stage.turn();
+  REQUIRE(stage.transport.seeking);
+  stage.transport.cancels_seek = true;
+  stage.turn();
+  CHECK(stage.transport.now_ns == at_ns);
+  CHECK(stage.state().heads == before.heads);
+}
+
+TEST_CASE("a log that goes back since it repeats stops when that is cancelled, and does not begin it anew") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  SlowStage stage(vulkan.device());
+  must(stage.player->seek(50 * kNsPerS, stage.driven()));
+  stage.taken_over = true;  // no moment is known
+  stage.transport.repeat_from(40 * kNsPerS);
+  stage.transport.repeat_to(51 * kNsPerS);
+  while (!stage.transport.seeking) stage.turn(200 * kNsPerMs);
+  CHECK(stage.transport.seeking->until_ns < 42 * kNsPerS);
+  stage.transport.cancels_seek = true;
+  stage.turn();
+  stage.turn();
+  CHECK(!stage.transport.seeking);
+  CHECK(!stage.transport.playing);
+  CHECK(stage.transport.now_ns > 49 * kNsPerS);
+}
+
+TEST_CASE("a seek that was under way when its frame was replaced begins anew, from states of the new frame") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  SlowStage stage(vulkan.device());
+  stage.transport.seek_ns = 40 * kNsPerS;
+  for (int i = 0; i < 40; ++i) stage.turn();
+  REQUIRE(stage.transport.seeking);
+  stage.frame = stage.make_frame();
+  must(stage.player->seek(stage.player->now_ns(), stage.driven()));
+  CHECK(!stage.player->seeking());
+  CHECK(stage.player->now_ns() == 40 * kNsPerS);
+  CHECK(stage.state().heads == stage.replayed(40 * kNsPerS).heads);
 }
 
 TEST_CASE("a seek keeps no moment for the next one if something was taken over in one of its parts") {

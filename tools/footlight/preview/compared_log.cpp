@@ -12,13 +12,9 @@ constexpr DurationNs kReadOnNs = 5 * kNsPerS;  // a seek costs as much as readin
 }  // namespace
 
 ComparedLog::ComparedLog(LogReader reader, std::string name, std::vector<Universe> universes)
-    : reader_(std::move(reader)),
-      name_(std::move(name)),
-      duration_ns_(reader_.info().duration_ns),
-      changes_(reader_.again(), universes) {
+    : reader_(std::move(reader)), name_(std::move(name)), duration_ns_(reader_.info().duration_ns) {
   moment_.levels.resize(universes.size() * kSlotCountMax);
   moment_.universes = std::move(universes);
-  next_.universe = -1;
 }
 
 Result<ComparedLog> ComparedLog::open(const std::string& path, std::vector<Universe> universes) {
@@ -34,24 +30,30 @@ Status ComparedLog::set_universes(std::vector<Universe> universes) {
   return go_to(now_ns);
 }
 
+void ComparedLog::take(Universe universe, std::span<const std::uint8_t> levels) {
+  const auto at = std::lower_bound(moment_.universes.begin(), moment_.universes.end(), universe);
+  if (at == moment_.universes.end() || *at != universe) return;
+  std::copy(levels.begin(), levels.end(),
+            moment_.levels.begin() + (at - moment_.universes.begin()) * std::ptrdiff_t{kSlotCountMax});
+}
+
 Status ComparedLog::go_to(TimeNs time_ns) {
   time_ns = std::clamp<TimeNs>(time_ns, 0, duration_ns_);
   if (time_ns < now_ns_ || time_ns > now_ns_ + kReadOnNs || now_ns_ < 0) {
-    FL_TRY(changes_.seek(time_ns));
-    changes_.read_levels(moment_.levels);
-    next_.universe = -1;
-    at_end_ = false;
+    FL_TRY(reader_.seek(time_ns));
+    std::fill(moment_.levels.begin(), moment_.levels.end(), std::uint8_t{0});
+    for (const LogSnapshot& each : reader_.snapshot()) take(each.universe, each.levels);
+    has_next_ = at_end_ = false;
   }
   while (!at_end_) {
-    if (next_.universe < 0) {
-      FL_ASSIGN(const bool more, changes_.next(next_));
-      at_end_ = !more;
-      if (at_end_) break;
+    if (!has_next_) {
+      FL_ASSIGN(has_next_, reader_.next(next_));
+      at_end_ = !has_next_;
+      continue;
     }
-    if (next_.at_ns > time_ns) break;
-    std::copy(next_.levels.begin(), next_.levels.end(),
-              moment_.levels.begin() + std::ptrdiff_t{next_.universe} * kSlotCountMax);
-    next_.universe = -1;
+    if (next_.time_ns > time_ns) break;  // of any universe, so no log is read to its end
+    if (!next_.terminated) take(next_.universe, next_.levels);
+    has_next_ = false;
   }
   now_ns_ = time_ns;
   return {};

@@ -6,7 +6,6 @@
 
 #include "sim/dmx_log/dmx_log.h"
 #include "tools/footlight/monitor/level_moment.h"
-#include "tools/footlight/pictures/log_changes.h"
 
 namespace footlight::tools {
 
@@ -15,8 +14,8 @@ class ComparedLog {
   // universes: those of the rig, ascending; others are left out.
   [[nodiscard]] static Result<ComparedLog> open(const std::string& path, std::vector<Universe> universes);
 
-  // The levels at a time of this log, which may be any. Before its start and after its end they are those there. Quick
-  // if the times of calls ascend by seconds at most. Errors name the file; the levels are then those from before.
+  // To the levels at any time of this log; before its start and after its end they are those there. Quick if the times
+  // of calls ascend by seconds at most. Errors name the file; the moment is then some mixture.
   Status go_to(TimeNs time_ns);
   [[nodiscard]] const LevelMoment& moment() const { return moment_; }
 
@@ -28,15 +27,16 @@ class ComparedLog {
 
  private:
   ComparedLog(LogReader reader, std::string name, std::vector<Universe> universes);
+  void take(Universe universe, std::span<const std::uint8_t> levels);
 
-  LogReader reader_;  // not read itself
+  LogReader reader_;
   std::string name_;
   DurationNs duration_ns_ = 0;
-  LogChanges changes_;
   LevelMoment moment_;
-  TimeNs now_ns_ = -1;   // of moment_; -1: nothing was read
-  LevelChange next_;     // universe -1: none was read ahead
-  bool at_end_ = false;  // there is no further change
+  TimeNs now_ns_ = -1;    // of moment_; -1: nothing was read
+  LogFrame next_;         // if has_next_: a frame that was read ahead
+  bool has_next_ = false;
+  bool at_end_ = false;  // there is no further frame
 };
 
 }  // namespace footlight::tools

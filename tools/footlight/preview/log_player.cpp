@@ -11,8 +11,8 @@ namespace {
 
 constexpr DurationNs kLeapNs = kNsPerS;  // a moment this far ahead is taken instead of the steps to it
 constexpr DurationNs kKeptNs = kNsPerS;  // a seek keeps a moment that is at most this much before its picture
-constexpr DurationNs kStrideNs = kNsPerS / 4;  // of the log, from look to look at the clock
-constexpr DurationNs kLongNs = 10 * kNsPerS;   // of the log: a seek over more than this may be cancelled
+constexpr DurationNs kStrideNs = kNsPerS / 4;  // log time between two readings of the clock
+constexpr DurationNs kQuickPartNs = 200 * kNsPerMs;  // a part of a seek that a drag follows
 
 // `step`, and the frame's steps are carried out before too many wait. `flushed`: how that went.
 Timeline::Step flushing(const Timeline::Step& step, render::Frame& frame, Status& flushed) {
@@ -102,29 +102,35 @@ const SeekIndex::Moment* LogPlayer::known_before(TimeNs time_ns, const Driven& d
 }
 
 Status LogPlayer::seek(TimeNs until_ns, const Driven& driven) {
-  FL_TRY(begin_seek(until_ns, driven));
+  before_.reset();
+  if (std::exchange(seeking_, std::nullopt)) {  // its steps may be of a frame that is gone
+    asked_ = true;
+    FL_TRY(begin_going_back(std::clamp<TimeNs>(until_ns, 0, duration_ns()), kExposureNs, driven));
+  } else {
+    FL_TRY(begin_seek(until_ns, driven));
+  }
   while (seeking_) FL_TRY(work_at_seek(INT64_MAX, driven));
   return {};
 }
 
+// Whether a seek can go on from where the fixtures are. While something is taken over no states are those of the log,
+// so going on is as good as going back, and sooner. So it is in a seek that has not yet come as far.
+bool LogPlayer::goes_further(TimeNs until_ns, const Driven& driven) const {
+  if (until_ns < timeline_->now_ns() + kExposureNs) return false;
+  if (driven.taken_over) return true;
+  const SeekIndex::Moment* known = known_before(until_ns - kExposureNs, driven);
+  return seeking_ && exact_ && (known == nullptr || known->position.now_ns <= timeline_->now_ns());
+}
+
 Status LogPlayer::begin_seek(TimeNs until_ns, const Driven& driven) {
   until_ns = std::clamp<TimeNs>(until_ns, 0, duration_ns());
-  moves_in_pause_ = false;
-  FL_TRY(driven.device.run_once(
-      [&](VkCommandBuffer commands) { render::forget_exposure(commands, driven.frame.resources()); }));
-  // While something is taken over no states are those of the log, so going on from them is as good and sooner. So is a
-  // seek that has not yet come as far.
-  const bool further = seeking_ && exact_ && !driven.taken_over;
-  const SeekIndex::Moment* known = known_before(until_ns - kExposureNs, driven);
-  const bool nearest = known == nullptr || known->position.now_ns <= timeline_->now_ns();
-  if ((driven.taken_over || (further && nearest)) && until_ns >= timeline_->now_ns() + kExposureNs) {
-    if (!seeking_) FL_TRY(keep_before(driven));
-    exact_ = further;
-    exposure_ns_ = kExposureNs;
-    seeking_ = {timeline_->now_ns(), timeline_->now_ns(), until_ns};
-    return {};
-  }
-  return begin_going_back(until_ns, kExposureNs, driven);
+  asked_ = true;
+  if (!goes_further(until_ns, driven)) return begin_going_back(until_ns, kExposureNs, driven);
+  if (!seeking_) FL_TRY(keep_before(driven));
+  exact_ = seeking_ && exact_ && !driven.taken_over;
+  exposure_ns_ = kExposureNs;
+  seeking_ = {timeline_->now_ns(), timeline_->now_ns(), until_ns};
+  return {};
 }
 
 // Whether steps from now on lead to this time: it is not earlier, and no moment is near it and far ahead of now.
@@ -136,8 +142,9 @@ bool LogPlayer::goes_on(TimeNs until_ns, DurationNs exposure_ns, const Driven& d
 
 // Else from a moment or the start.
 Status LogPlayer::play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
-  moves_in_pause_ = false;
+  asked_ = false;
   if (!goes_on(until_ns, exposure_ns, driven)) return begin_going_back(until_ns, exposure_ns, driven);
+  moves_in_pause_ = false;
   return advance(until_ns, exposure_ns, driven);
 }
 
@@ -154,6 +161,7 @@ bool LogPlayer::can_hold(const Transport& transport, DurationNs dt_ns, const Dri
 // For cancel_seek().
 Status LogPlayer::keep_before(const Driven& driven) {
   before_.reset();
+  moved_before_ = moves_in_pause_;
   if (!timeline_->can_go()) return {};
   FL_ASSIGN(render::FrameState state, driven.frame.save_state());
   before_ = {timeline_->position(), std::move(state)};
@@ -165,7 +173,7 @@ Status LogPlayer::begin_going_back(TimeNs until_ns, DurationNs exposure_ns, cons
   const TimeNs begun_ns = clock_.now_ns();
   const SeekIndex::Moment* known = known_before(until_ns - exposure_ns, driven);
   const TimeNs from_ns = known != nullptr ? known->position.now_ns : 0;
-  if (!seeking_ && until_ns - from_ns > kLongNs) FL_TRY(keep_before(driven));
+  if (!seeking_) FL_TRY(keep_before(driven));
   driven.restart();
   if (known != nullptr) {
     FL_TRY(timeline_->go_to(known->position));
@@ -205,29 +213,41 @@ Status LogPlayer::work_at_seek(DurationNs budget_ns, const Driven& driven) {
   }
   FL_TRY(replay(seeking_->until_ns, exposure_ns_, exact_, driven));
   FL_TRY(driven.frame.run_steps());
+  if (asked_) {
+    FL_TRY(driven.device.run_once(
+        [&](VkCommandBuffer commands) { render::forget_exposure(commands, driven.frame.resources()); }));
+  }
   seeking_.reset();
   before_.reset();
+  moves_in_pause_ = false;
   sought_ns_ += clock_.now_ns() - begun_ns;
   return {};
 }
 
-Status LogPlayer::cancel_seek(const Driven& driven) {
-  if (!seeking_) return {};
+Result<bool> LogPlayer::cancel_seek(const Driven& driven) {
+  if (!seeking_) return false;
   seeking_.reset();
   driven.restart();
-  if (!before_) return advance(timeline_->now_ns() + kExposureNs, kExposureNs, driven);
+  if (!before_) {
+    FL_TRY(advance(timeline_->now_ns() + kExposureNs, kExposureNs, driven));
+    return false;
+  }
   FL_TRY(driven.frame.run_steps());
   FL_TRY(timeline_->go_to(before_->position));
   levels_ = before_->position.levels;
   FL_TRY(driven.frame.load_state(before_->state));
   before_.reset();
-  return {};
+  moves_in_pause_ = moved_before_;
+  return !asked_;
 }
 
 Status LogPlayer::turn(Transport& transport, DurationNs dt_ns, const Driven& driven) {
   FL_CHECK(!driven.holds_steps || can_hold(transport, dt_ns, driven));
   dt_ns = std::max<DurationNs>(dt_ns - std::exchange(sought_ns_, 0), 0);
-  if (std::exchange(transport.cancels_seek, false)) FL_TRY(cancel_seek(driven));
+  if (std::exchange(transport.cancels_seek, false)) {
+    FL_ASSIGN(const bool stops, cancel_seek(driven));
+    transport.playing = transport.playing && !stops;
+  }
   transport.now_ns = now_ns();
   const TimeNs next_ns = transport.playing ? transport.next_ns(dt_ns) : now_ns();
   if (transport.seek_ns) {
@@ -241,7 +261,10 @@ Status LogPlayer::turn(Transport& transport, DurationNs dt_ns, const Driven& dri
     moves_in_pause_ = moves_in_pause_ || driven.taken_over;
     if (moves_in_pause_ && !levels_.empty()) driven.step(levels_, dt_ns, true);
   }
-  if (seeking_) FL_TRY(work_at_seek(kPartNs, driven));
+  if (seeking_) {
+    const bool quick = asked_ && transport.is_quick(seeking_->until_ns);
+    FL_TRY(work_at_seek(quick ? kQuickPartNs : kPartNs, driven));
+  }
   transport.seeking = seeking_;
   transport.now_ns = now_ns();
   transport.known_ns = index_ && !driven.taken_over ? index_->known_ns() : 0;

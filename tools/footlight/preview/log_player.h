@@ -55,13 +55,14 @@ class LogPlayer {
   Status show(TimeNs until_ns, const Driven& driven);
   Status show_soon(TimeNs until_ns, const Driven& driven);
 
-  Status seek(TimeNs until_ns, const Driven& driven);  // all of it
+  // All of it. Also for a frame without the states of the one before, whatever was under way.
+  Status seek(TimeNs until_ns, const Driven& driven);
 
   // A seek that is under way: fixtures are at a time between, and levels() are those from before it.
   [[nodiscard]] const std::optional<Transport::Seeking>& seeking() const { return seeking_; }
-  // Back to where the fixtures were before it. With VRSL's fixtures, whose states cannot be put back, it ends where it
-  // has come to. Without one nothing happens.
-  Status cancel_seek(const Driven& driven);
+  // Puts the fixtures back to where they were before it. With VRSL's fixtures, whose states cannot be put back, it ends
+  // where it has come to. Without one nothing happens. True: the log should stop, since it would begin the seek anew.
+  Result<bool> cancel_seek(const Driven& driven);
 
   // The steps of one picture, as `transport` has it: a part of a seek, playing or a pause. Sets its times. dt_ns >= 0:
   // since the last call; the part of it that a seek took is not played. In a pause, and at the end of the log, fixtures
@@ -86,6 +87,7 @@ class LogPlayer {
   [[nodiscard]] bool goes_on(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) const;
   Status play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
   Status begin_seek(TimeNs until_ns, const Driven& driven);
+  [[nodiscard]] bool goes_further(TimeNs until_ns, const Driven& driven) const;
   Status begin_going_back(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
   Status work_at_seek(DurationNs budget_ns, const Driven& driven);
   Status keep_before(const Driven& driven);
@@ -100,7 +102,9 @@ class LogPlayer {
   std::optional<Transport::Seeking> seeking_;
   DurationNs exposure_ns_ = 0;               // of its picture
   bool exact_ = false;                       // its steps are those of a replay
+  bool asked_ = false;                       // by the user; else the log repeats
   std::optional<SeekIndex::Moment> before_;  // where the fixtures were
+  bool moved_before_ = false;                // moves_in_pause_, then
   std::vector<std::uint8_t> levels_;
   std::string news_;
   DurationNs sought_ns_ = 0;     // that seeks took since the last turn() began

@@ -9,13 +9,17 @@ namespace footlight::tools {
 // Opens the panel that shows the comparison.
 void Preview::compare_from_here() {
   if (desk_->compiled().universes.empty()) return;
-  const std::optional<TimeNs> log_ns = player_ ? std::optional(controls_.transport.now_ns) : std::nullopt;
+  const bool at_time = player_ && !player_->seeking();  // the levels are those from before a seek
+  const std::optional<TimeNs> log_ns = at_time ? std::optional(controls_.transport.now_ns) : std::nullopt;
   desk_->comparison() = {keep_levels(desk_->compiled().universes, panel_levels(), log_ns), std::nullopt};
   (void)panels_.open_words("universes", *desk_);
 }
 
 // Another log at the time of the one that plays; without one it plays from now on.
 Status Preview::compare_with(const std::string& path) {
+  if (desk_->compiled().universes.empty()) {
+    return fail(ErrorCode::kBadInput, "{}: no fixture of the rig has an address, so there is nothing to compare", path);
+  }
   FL_ASSIGN(ComparedLog log, ComparedLog::open(path, desk_->compiled().universes));
   compared_ = std::make_unique<ComparedLog>(std::move(log));
   compared_since_ns_ = last_ns_;
@@ -30,6 +34,7 @@ void Preview::follow_compared_log() {
   if (!compared_) return;
   std::optional<KeptLevels>& kept = desk_->comparison().a;
   if (!kept || kept->log.empty()) return compared_.reset();
+  if (player_ && player_->seeking()) return;  // the levels are those from before
   Status read;
   if (compared_->moment().universes != desk_->compiled().universes) {
     read = compared_->set_universes(desk_->compiled().universes);

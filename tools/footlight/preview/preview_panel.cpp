@@ -231,7 +231,7 @@ void draw_log(PreviewControls& controls) {
   const TimeNs shown_ns = controls.drag_s ? ns_of(*controls.drag_s) : transport.now_ns;
   ImGui::SetNextItemWidth(-1);
   // The label is a format string for ImGui; it has no per cent sign.
-  const std::string label = trf("{} of {}", time_text(shown_ns), time_text(transport.duration_ns));
+  const std::string label = ui_format(trf("{} of {}", time_text(shown_ns), time_text(transport.duration_ns)));
   if (ImGui::SliderFloat("##time", &time_s, 0, static_cast<float>(std::max(duration_s, 0.1)), label.c_str(),
                          ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
     controls.drag_s = time_s;

@@ -68,8 +68,8 @@ void Preview::follow_first_picture(const PixelRect& where) {
   for (View& view : views_) view.pictures = 0;  // those that count
 }
 
-// Whether a frame of other settings can begin: what its pictures need is compiled by other threads meanwhile, and the
-// one before goes on.
+// True once a frame of other settings can begin. Other threads compile what its pictures need, and the one before goes
+// on meanwhile.
 bool Preview::is_compiled(const PixelRect& where) {
   const render::FrameSettings wanted = frame_settings(where, is_rough_);
   if (compiling_ != wanted) {
@@ -81,25 +81,22 @@ bool Preview::is_compiled(const PixelRect& where) {
   return true;
 }
 
-// What the user waits for.
+// The measurement and edits come first: the fixtures stand still meanwhile, and with them a seek.
 Busy Preview::busy() const {
-  if (player_ && player_->seeking()) return busy_with(*player_->seeking());
   if (reading_curves_.valid()) return {BusyWith::kKnobs, tr("measuring this machine"), curves_share_.load(), true};
   if (making_.valid()) {
     return {BusyWith::kEdit, tr("preparing the picture of the edited rig; Ctrl+Z undoes the edit"), std::nullopt, false};
   }
-  if (compiling_) return {BusyWith::kShaders, tr("compiling shaders; the picture goes on as it was"), std::nullopt, false};
+  if (player_ && player_->seeking()) return busy_with(*player_->seeking());
+  if (compiling_) {
+    return {BusyWith::kShaders, tr("compiling shaders; the picture goes on as it was"), std::nullopt, false};
+  }
   return {};
 }
 
 void Preview::cancel_busy() {
-  if (player_ && player_->seeking()) {
-    controls_.transport.cancels_seek = true;
-  } else if (reading_curves_.valid()) {
-    wants_curves_ = false;
-    ask_for_quality({});
-    stops_curves_ = stopped_curves_ = true;
-  }
+  if (reading_curves_.valid()) return ask_for_quality({});
+  controls_.transport.cancels_seek = player_ && player_->seeking();
 }
 
 // The curves of this machine, which take seconds to measure the first time. Any thread.

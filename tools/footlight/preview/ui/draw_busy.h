@@ -1,4 +1,4 @@
-// What the picture waits for, over the stage, once that has lasted for half a second. Dear ImGui only.
+// Shows over the stage why the picture waits, once that has lasted for half a second. Dear ImGui only.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ struct Busy {
   bool can_cancel = false;      // by the button and by Esc
 };
 
-// Of a seek through a log.
+// The picture waits for a seek through a log.
 [[nodiscard]] Busy busy_with(const Transport::Seeking& seeking);
 
 class BusyMark {

@@ -17,7 +17,8 @@ namespace footlight::tools {
 namespace {
 
 std::optional<TimeNs> log_time(const UiInput& input) {
-  return input.transport != nullptr ? std::optional(input.transport->now_ns) : std::nullopt;
+  const bool at_time = input.transport != nullptr && !input.transport->seeking;  // else levels are from before a seek
+  return at_time ? std::optional(input.transport->now_ns) : std::nullopt;
 }
 
 // Another log: its name, its time, and how far it is ahead of the window.
@@ -53,6 +54,7 @@ bool CompareView::take(const UiDesk& desk, const UiInput& input, bool frozen) {
     a_.reset();
     return false;
   }
+  if (frozen && a_ && !both.a->log.empty()) return false;
   const bool same = a_ && *a_ == both.a->moment;
   if (frozen && same) return false;
   difference_ = compare_moments(both.a->moment, LevelView(desk.compiled().universes, input.levels));

@@ -127,8 +127,8 @@ constexpr KeyRow kKeyRows[] = {
      {A::kEscape},
      false,
      "Esc",
-     "put a drag of a handle back; close a menu; then the list of keys; then end flying and measuring; then select "
-     "nothing; then close the window",
+     "put a drag of a handle back; close a menu; cancel a seek; then the list of keys; then end flying and measuring; "
+     "then select nothing; then close the window",
      UiMenu::kNone},
 };
 

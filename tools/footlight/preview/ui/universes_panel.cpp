@@ -96,7 +96,8 @@ class UniversesPanel final : public Panel {
     if (!desk.comparison().a) {
       ImGui::SameLine();
       if (ImGui::Button(tr_label("compare with now (K)"))) {
-        const auto log_ns = input.transport != nullptr ? std::optional(input.transport->now_ns) : std::nullopt;
+        const bool at_time = input.transport != nullptr && !input.transport->seeking;
+        const auto log_ns = at_time ? std::optional(input.transport->now_ns) : std::nullopt;
         desk.comparison().a = keep_levels(universes, input.levels, log_ns);
       }
       if (ImGui::IsItemHovered())

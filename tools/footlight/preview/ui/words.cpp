@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <unordered_map>
 
 #include <libintl.h>
@@ -203,20 +204,24 @@ std::string language_of(const std::function<const char*(const char*)>& variable,
 }
 
 Result<std::unique_ptr<Words>> open_words(const std::string& language, const std::string& folder) {
+  const char* const set = std::getenv("LANGUAGE");
+  const std::optional<std::string> before = set != nullptr ? std::optional<std::string>(set) : std::nullopt;
   (void)setenv("LANGUAGE", language.c_str(), 1);
   bindtextdomain(kDomain, "/");  // another folder: gettext forgets the texts of another language
   bindtextdomain(kDomain, folder.c_str());
   bind_textdomain_codeset(kDomain, "UTF-8");
-  // gettext reads LANGUAGE in any locale but "C". The one of the language may not be installed; this one is.
-  for (const char* name : {"C.UTF-8", ""}) {
+  // gettext reads LANGUAGE in any locale but "C", and newer ones not in C.UTF-8 either. The one of the language may not be
+  // installed.
+  for (const char* name : {"C.UTF-8", "", "en_US.UTF-8", "en_GB.UTF-8", "de_DE.UTF-8", "fr_FR.UTF-8"}) {
     const locale_t locale = newlocale(LC_MESSAGES_MASK, name, static_cast<locale_t>(nullptr));
     if (locale == nullptr) continue;
     auto words = std::make_unique<CatalogWords>(locale);
     if (words->has_catalog()) return std::unique_ptr<Words>(std::move(words));
   }
+  (void)(before ? setenv("LANGUAGE", before->c_str(), 1) : unsetenv("LANGUAGE"));
   return fail(ErrorCode::kUnsupported,
-              "no words of '{}' from {}: this system has neither the locale C.UTF-8 nor that of LANG; install one, or "
-              "use the language en",
+              "no words of '{}' from {}: gettext takes them in no locale of this system; install one such as "
+              "en_US.UTF-8, or use the language en",
               language, folder);
 }
 
@@ -234,7 +239,7 @@ Status choose_words(const std::string& language, const std::string& folder) {
   } else if (language != "en" && std::find(languages.begin(), languages.end(), language) == languages.end()) {
     std::string known = "en";
     for (const std::string& one : languages) known += ", " + one;
-    return fail(ErrorCode::kBadInput, "--language {}: expected one of {}; docs/translating.md tells how to add one",
+    return fail(ErrorCode::kBadInput, "--language {}: expected one of {}; docs/translating.md has the steps to add one",
                 language, known);
   }
   if (chosen.empty() || chosen == "en") {
