@@ -83,7 +83,7 @@ void LiveError::compile_ahead(vk::Device& device, const FrameSettings& settings,
 Result<std::unique_ptr<LiveError>> LiveError::create(vk::Device& device, Frame& frame, const fixtures::Needs& needs) {
   const FrameSettings& settings = frame.settings();
   fixtures::Needs all = needs;
-  all.sheen = frame.resources().rig.sheen_count > 0;  // also that of files
+  if (frame.resources().rig.sheen_count > 0) all.sheen = true;  // as Frame::create() does
   if (has_gloss(needs, settings)) return std::unique_ptr<LiveError>();
   std::unique_ptr<LiveError> live(new LiveError(device));
   live->cells_ = device.is_software() ? kCellsOfCpu : kCells;
