@@ -59,7 +59,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
     for (const std::uint32_t binding : bindings_of(*pass)) used[binding] = true;
   }
   FL_ASSIGN(frame->resources_.rig, RigTables::create(device, {rig, compiled, compiled.needs, widest}, used));
-  frame->needs_.sheen = frame->resources_.rig.sheen_count > 0;  // now the files of meshes have been read
+  if (frame->resources_.rig.sheen_count > 0) frame->needs_.sheen = true;  // now the files of meshes have been read
   FL_TRY(frame->films_.create(device, {rig, compiled, compiled.needs, widest}));
   const std::vector<bool> only_pixels = fixtures::pixel_universes(rig, compiled);
   for (std::size_t i = 0; i < only_pixels.size(); ++i) {

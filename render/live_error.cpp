@@ -80,14 +80,14 @@ void LiveError::compile_ahead(vk::Device& device, const FrameSettings& settings,
   if (!has_gloss(needs, settings)) (void)begin_pipeline(device, settings, needs);  // create() fails, too
 }
 
-Result<std::unique_ptr<LiveError>> LiveError::create(vk::Device& device, Frame& frame, const fixtures::Needs& of_rig) {
+Result<std::unique_ptr<LiveError>> LiveError::create(vk::Device& device, Frame& frame, const fixtures::Needs& needs) {
   const FrameSettings& settings = frame.settings();
-  fixtures::Needs needs = of_rig;
-  needs.sheen = frame.resources().rig.sheen_count > 0;  // also that of files
+  fixtures::Needs all = needs;
+  if (frame.resources().rig.sheen_count > 0) all.sheen = true;  // as Frame::create() does
   if (has_gloss(needs, settings)) return std::unique_ptr<LiveError>();
   std::unique_ptr<LiveError> live(new LiveError(device));
   live->cells_ = device.is_software() ? kCellsOfCpu : kCells;
-  FL_ASSIGN(live->pipeline_, begin_pipeline(device, settings, needs));
+  FL_ASSIGN(live->pipeline_, begin_pipeline(device, settings, all));
   FL_TRY(device.pipelines().finish());
   constexpr VkDeviceSize kBytes = kCells * sizeof(RecheckRow);
   FL_ASSIGN(live->rechecked_, vk::Buffer::device_local(device, kBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
