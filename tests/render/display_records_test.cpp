@@ -27,6 +27,17 @@ const std::string kRisers =
     "[[box]]\nname = \"A\"\nmin = [-1.5, 1, 0]\nmax = [-0.5, 2, 1.4]\nalbedo = [0.5, 0.5, 0.5]\n"
     "[[box]]\nname = \"B\"\nmin = [0.8, 2.2, 0]\nmax = [1.6, 3, 2.2]\nalbedo = [0.2, 0.5, 0.5]\n"
     "[[box]]\nname = \"C\"\nmin = [2.2, 1.2, 0]\nmax = [2.3, 3, 1.2]\nalbedo = [0.5, 0.5, 0.2]\n";
+// A plane of black and white fields; what a record is checked for is what the white ones reflect.
+const std::string kFields = [] {
+  std::string fields;
+  for (int i = 0; i < 12; ++i) {
+    const std::string low = std::to_string(i - 6), high = std::to_string(i - 5);
+    const std::string albedo = i % 2 == 0 ? "[0.001, 0.001, 0.001]" : "[0.95, 0.95, 0.95]";
+    fields += "[[box]]\nname = \"F" + low + "\"\nmin = [" + low + ", -20, -1]\nmax = [" + high +
+              ", 20, 0]\nalbedo = " + albedo + "\n";
+  }
+  return fields;
+}();
 const std::string kPeople =
     "[[scenery]]\nkind = \"person\"\nposition = [-1.4, 0.6, 0]\n"
     "[[scenery]]\nkind = \"person\"\nposition = [0.3, -1.5, 0]\nrotation = [0, 0, 40]\n";
@@ -142,6 +153,7 @@ TEST_CASE("light of displays by records is near that of each pixel by itself") {
        {Case{"haze alone", kHaze, kWall, 0.05}, Case{"planes", kHaze, kFloor + kRisers + kWall, 0.08},
         Case{"planes, an image", kHaze, kFloor + kRisers + kWall, 0.12, picture},
         Case{"people", kHaze, kFloor + kPeople + kWall, 0.1},
+        Case{"black and white fields, an image", kHaze, kFields + kWall, 0.15, picture},
         Case{"in its haze, 0.4 m before it", kHaze, kFloor + kRisers + kWall, 0.05,
              [](Scene& s) {
                view_from(s, {0.5, 3.6, 1.9}, {-2, 2, 1.5});

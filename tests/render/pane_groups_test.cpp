@@ -96,6 +96,56 @@ TEST_CASE("panes of a wall are one group, and panes in another plane or far away
   CHECK(groups.panes.size() == panes.size());
 }
 
+TEST_CASE("a wall that is turned and typed in millimetres is one group, and light meets each pane where it really is") {
+  std::vector<fixtures::Pane> panes;
+  for (int i = 0; i < 16; ++i) {
+    const double away = 1.5 * i, angle = 0.5235987755982988;
+    const auto typed = [](double m) { return std::round(1000 * m) / 1000; };
+    panes.push_back(pane_at(typed(away * std::cos(angle)), typed(5 + away * std::sin(angle)), 3));
+    panes.back().rotation_deg = {0, 0, 30};
+  }
+  const fixtures::Rig rig = rig_of(panes);
+  const PaneGroups groups = pane_groups(rig);
+  REQUIRE(groups.rows.size() == 1);
+  const PaneGroupRow& row = groups.rows[0];
+  Random random(9);
+  for (std::size_t i = 0; i < panes.size(); ++i) {
+    const glm::dmat4 pose = fixtures::pose_of(rig.panes[i]);
+    const glm::dvec3 right = glm::dvec3(pose[0]) * 0.5, up = glm::dvec3(pose[2]);
+    const glm::dvec3 normal = glm::cross(right, up);
+    for (int k = 0; k < 20; ++k) {
+      const double u = random.between(-1, 1), v = random.between(-1, 1);
+      // A place behind the pane, on the light through (u, v) of it.
+      const glm::dvec3 place = rig.panes[i].position_m + u * right + v * up + 3.0 * rig.sun.direction;
+      const glm::dvec3 from = place - glm::dvec3(row.center);
+      const double x = glm::dot(glm::dvec3(row.across), from), y = glm::dot(glm::dvec3(row.upward), from);
+      const GroupPaneRow& pane = groups.panes[i];
+      const auto of = [&](const glm::vec4& to) {
+        return static_cast<double>(to.x) * x + static_cast<double>(to.y) * y + static_cast<double>(to.z);
+      };
+      CHECK(of(pane.to_u) == doctest::Approx(u).epsilon(1e-4).scale(1));
+      CHECK(of(pane.to_v) == doctest::Approx(v).epsilon(1e-4).scale(1));
+      CHECK(glm::length(normal) > 0);
+    }
+  }
+}
+
+TEST_CASE("plain panes, dark ones and a sun in their plane need no sums, nor does a rig without haze") {
+  std::vector<fixtures::Pane> panes = {pane_at(0, 5, 3)};
+  CHECK(pane_groups(rig_of(panes)).entries == 0);  // plain
+  panes[0].image = std::make_shared<fixtures::PaneImage>(
+      fixtures::PaneImage{8, 8, std::vector<glm::vec3>(64, glm::vec3(0.5))});
+  fixtures::Rig rig = rig_of(panes);
+  CHECK(pane_groups(rig).entries > 10'000);
+  CHECK(pane_groups(rig, false).entries == 0);
+  CHECK(pane_group_bytes(FL_BINDING_PANE_LINES, rig, false) < 100);
+  rig.panes[0].color = {0, 0, 0};
+  CHECK(pane_groups(rig).entries == 0);
+  rig.panes[0].color = {1, 1, 1};
+  rig.sun.direction = {1, 0, 0};  // along the glass
+  CHECK(pane_groups(rig).entries == 0);
+}
+
 TEST_CASE("the grid of a group lists each pane where it is") {
   std::vector<fixtures::Pane> panes;
   for (int i = 0; i < 30; ++i) {

@@ -71,6 +71,14 @@ const std::string kMorePanes =
     "[[pane]]\nposition = [-2, 4, 3.5]\nrotation = [0, 25, 0]\nwidth_m = 0.7\nheight_m = 1\n"
     "[[pane]]\nposition = [3, 4, 3]\nwidth_m = 0.7\nheight_m = 2\ncolor = [0.5, 0.5, 0.9]\n"
     "[[pane]]\nposition = [-3, 2, 3]\nrotation = [0, 0, 60]\nwidth_m = 0.8\nheight_m = 2\ncolor = [0.9, 0.4, 0.4]\n";
+// Two that touch each other and the glass, on the side where the light goes.
+const std::string kFlush =
+    "[[box]]\nname = \"A\"\nmin = [-0.6, 3.8, 2]\nmax = [-0.1, 4, 4]\nalbedo = [0.3, 0.3, 0.3]\n"
+    "[[box]]\nname = \"B\"\nmin = [-0.1, 3.8, 2]\nmax = [0.4, 4, 4]\nalbedo = [0.3, 0.3, 0.3]\n";
+// One a millimetre before and one as much behind the plane of the first pane.
+const std::string kNearPanes =
+    "[[pane]]\nposition = [2, 4.001, 3]\nwidth_m = 0.7\nheight_m = 2\ncolor = [0.2, 0.9, 0.4]\n"
+    "[[pane]]\nposition = [-2, 3.999, 3]\nwidth_m = 0.7\nheight_m = 2\ncolor = [0.9, 0.2, 0.4]\n";
 
 RadianceImage drawn(vk::Device& device, const Scene& scene, bool judged = true) {
   return drawn_light(device, scene, kWidth, kHeight, judged);
@@ -102,6 +110,8 @@ TEST_CASE("shafts in the air and on surfaces are near the judge, with and withou
         Case{"image, from behind the pane", true, kFloor + kThings, 1e-3, looks({2, 9, 5}, {0, 2, 1})},
         Case{"image, with the sky", true, kFloor, 1e-3, [](Scene& scene) { scene.rig.sun.sky_lx = 3000; }},
         Case{"image, more panes in its plane and in another", true, kFloor + kThings + kMorePanes, 1e-3},
+        Case{"image, boxes that touch the glass", true, kFloor + kFlush, 1e-3},
+        Case{"image, more panes within millimetres of its plane", true, kFloor + kNearPanes, 1e-3},
         Case{"image, tilted, dense haze", true, kFloor + kThings, 1e-3, [](Scene& scene) {
                scene.rig.haze.scattering_per_m = 1;
                scene.rig.haze.absorption_per_m = 0.5;
