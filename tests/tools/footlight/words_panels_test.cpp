@@ -390,7 +390,7 @@ TEST_CASE("menus, the palette and questions draw no word outside of the catalog"
   ui.more = [&] { (void)close.draw("/shows/club.toml", ""); };
   for (int i = 0; i < 3; ++i) ui.frame();
   ui.check(ui.words());
-  ui.more = [&] { (void)opens.draw(trf("Open {}?", "show.mvr"), tr(" Armed outputs go dark.")); };
+  ui.more = [&] { (void)opens.draw(trf("Open {}?", "show.mvr"), tr(" Armed outputs go dark."), true); };
   for (int i = 0; i < 3; ++i) ui.frame();
   ui.check(ui.words());
   for (const bool older : {false, true}) {

@@ -184,6 +184,7 @@ namespace {
     tr_mark("the sun shines through no glass; no shafts of light"),
     tr_mark("no LED wall, panel or strip; no light of pixels"),
     tr_mark("every floor is matt; nothing is mirrored"),
+    tr_mark("every surface is matt; no highlights of beams"),
     tr_mark("no mode frames its beam; no edges are cut"),
     tr_mark("the air scatters nothing; no beams in the air"),
     tr_mark("haze is as dense everywhere; no table of its density"),
