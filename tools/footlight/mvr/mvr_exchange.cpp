@@ -225,26 +225,32 @@ class MvrExchange::Work {
 
   void act(const StopReceiving&) {
     if (!receiving_) return;
-    tell(Event::Kind::kNews, fmt::format("{}: stopped; nothing is written", receiving_->path));
+    std::string news = fmt::format("{}: stopped; nothing is written", receiving_->path);
     receiving_.reset();
+    tell(Event::Kind::kNews, std::move(news));
   }
 
   void step_receiving(TimeNs now_ns) {
     if (!receiving_) return;
     const auto done = receiving_->client->step(now_ns);
     if (done && !*done) return;
-    const std::unique_ptr<Receiving> one = std::move(receiving_);
-    if (!done) return tell(Event::Kind::kError, printable_line(done.error().message));
+    std::unique_ptr<Receiving> one = std::move(receiving_);
+    // What has come of a file that is refused is removed before anybody is told.
+    const auto refuse = [&](std::string why) {
+      one.reset();
+      tell(Event::Kind::kError, std::move(why));
+    };
+    if (!done) return refuse(printable_line(done.error().message));
     if (!one->client->asking().has_file()) {
-      return tell(Event::Kind::kError, fmt::format("'{}' does not send the file: {}", one->station,
-                                                   printable_line(one->client->asking().answer().message)));
+      return refuse(fmt::format("'{}' does not send the file: {}", one->station,
+                                printable_line(one->client->asking().answer().message)));
     }
     if (one->announced_bytes != 0 && one->announced_bytes != one->part.bytes()) {
       tell(Event::Kind::kNews,
            fmt::format("'{}' announced {} bytes and sent {}", one->station, one->announced_bytes, one->part.bytes()));
     }
     const auto rig = one->part.finish();
-    if (!rig) return tell(Event::Kind::kError, printable_line(rig.error().message));
+    if (!rig) return refuse(printable_line(rig.error().message));
     tell(Event::Kind::kReceived, fmt::format("received {} from '{}': {}", one->path, one->station, *rig), one->path);
   }
 

@@ -85,7 +85,8 @@ bool Preview::is_compiled(const PixelRect& where) {
 Busy Preview::busy() const {
   if (reading_curves_.valid()) return {BusyWith::kKnobs, tr("measuring this machine"), curves_share_.load(), true};
   if (making_.valid()) {
-    return {BusyWith::kEdit, tr("preparing the picture of the edited rig; Ctrl+Z undoes the edit"), std::nullopt, false};
+    return {BusyWith::kEdit, tr("preparing the picture of the edited rig; Ctrl+Z undoes the edit"), std::nullopt,
+            false};
   }
   if (player_ && player_->seeking()) return busy_with(*player_->seeking());
   if (compiling_) {

@@ -210,8 +210,8 @@ Result<std::unique_ptr<Words>> open_words(const std::string& language, const std
   bindtextdomain(kDomain, "/");  // another folder: gettext forgets the texts of another language
   bindtextdomain(kDomain, folder.c_str());
   bind_textdomain_codeset(kDomain, "UTF-8");
-  // gettext reads LANGUAGE in any locale but "C", and newer ones not in C.UTF-8 either. The one of the language may not be
-  // installed.
+  // gettext reads LANGUAGE in any locale but "C", and newer ones not in C.UTF-8 either. The one of the language may not
+  // be installed.
   for (const char* name : {"C.UTF-8", "", "en_US.UTF-8", "en_GB.UTF-8", "de_DE.UTF-8", "fr_FR.UTF-8"}) {
     const locale_t locale = newlocale(LC_MESSAGES_MASK, name, static_cast<locale_t>(nullptr));
     if (locale == nullptr) continue;
