@@ -27,7 +27,8 @@ class Display {
     REQUIRE(::pipe(ends.data()) == 0);
     const std::string number_fd = std::to_string(ends[1]);
     const std::string screen = fmt::format("{}x{}x24", width, height);
-    std::vector<std::string> words = {"Xvfb", "-displayfd", number_fd, "-screen", "0", screen};
+    // -noreset: else it begins anew when the last window closes, and one that opens meanwhile may wait for ever.
+    std::vector<std::string> words = {"Xvfb", "-displayfd", number_fd, "-screen", "0", screen, "-noreset"};
     if (!folder.empty()) words.insert(words.end(), {"-fbdir", folder});
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());

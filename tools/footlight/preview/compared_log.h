@@ -24,6 +24,7 @@ class ComparedLog {
 
   [[nodiscard]] const std::string& name() const { return name_; }  // of the file, without its folder
   [[nodiscard]] DurationNs duration_ns() const { return duration_ns_; }
+  [[nodiscard]] const LogInfo& info() const { return reader_.info(); }
 
  private:
   ComparedLog(LogReader reader, std::string name, std::vector<Universe> universes);

@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/words.h"
+#include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
 
@@ -17,12 +19,21 @@ void Preview::compare_from_here() {
 
 // Another log at the time of the one that plays; without one it plays from now on.
 Status Preview::compare_with(const std::string& path) {
-  if (desk_->compiled().universes.empty()) {
+  const std::vector<Universe>& own = edited_->scene()->own_universes;
+  if (own.empty()) {
     return fail(ErrorCode::kBadInput, "{}: no fixture of the rig has an address, so there is nothing to compare", path);
   }
   FL_ASSIGN(ComparedLog log, ComparedLog::open(path, desk_->compiled().universes));
   compared_ = std::make_unique<ComparedLog>(std::move(log));
   compared_since_ns_ = last_ns_;
+  const LogInfo& info = compared_->info();
+  const bool shares = std::any_of(info.universes.begin(), info.universes.end(), [&](const LogUniverseInfo& one) {
+    return std::binary_search(own.begin(), own.end(), one.universe);
+  });
+  if (!shares) tell(trf("{} has none of the universes of the rig: {}", compared_->name(), show_universes(own)), true);
+  if (info.recovered()) {
+    tell(trf("{} is damaged or was cut; `footlight log info` says where", compared_->name()), true);
+  }
   KeptLevels kept;
   kept.log = compared_->name();
   desk_->comparison() = {std::move(kept), std::nullopt};
@@ -44,7 +55,9 @@ void Preview::follow_compared_log() {
   if (read) read = compared_->go_to(at_ns);
   if (read) {
     kept->moment = compared_->moment();
-    kept->when = time_text(at_ns);
+    kept->when = at_ns == now_ns + kept->offset_ns ? time_text(at_ns)
+                 : at_ns == 0                      ? std::string(tr("before its start"))
+                                                   : trf("{}, its end", time_text(at_ns));
     return;
   }
   tell(read.error());
