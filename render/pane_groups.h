@@ -9,7 +9,7 @@
 
 namespace footlight::render {
 
-inline constexpr std::uint64_t kPaneLineBytes = 3 * 2 * sizeof(float);        // of an entry
+inline constexpr std::uint64_t kPaneLineBytes = sizeof(float) * 3 * 2;        // of an entry
 inline constexpr std::uint64_t kPaneLineBytesMax = std::uint64_t{120} << 20;  // of all groups; fits any device
 
 struct PaneGroups {
