@@ -280,16 +280,18 @@ Status Preview::read_picture() {
   picture_since_ns_ = last_ns_;
   times_.add(picture_ms);
   ++second_frames_;
-  FL_ASSIGN(facts_.passes, frame_->read_times());
+  FL_ASSIGN(auto passes, frame_->read_times());
   double gpu_ms = 0;
-  for (const auto& pass : facts_.passes) gpu_ms += pass.gpu_ms;
-  if (facts_.passes.empty()) gpu_ms = picture_ms;  // a device without time stamps
+  for (const auto& pass : passes) gpu_ms += pass.gpu_ms;
+  if (passes.empty()) gpu_ms = picture_ms;  // a device without time stamps
   if (keeper_ && keeper_->take(drawn_ns_, gpu_ms)) follow_knobs(keeper_->point());
   if (error_ && error_drawn_) {
     FL_TRY(error_->take(drawn_ns_));
     facts_.error = error_->estimate();
-    facts_.passes.push_back({"error", error_->gpu_ms()});
+    passes.push_back({"error", error_->gpu_ms()});
   }
+  // Those of the active view, which alone has its error measured.
+  if (drawn_view_ == desk_->state().view) facts_.passes = std::move(passes);
   if (reports() && drawn_view_ == desk_->state().view) read_report(gpu_ms);
   render::CountsRow counts{};
   std::memcpy(&counts, counts_.mapped, sizeof(counts));
