@@ -202,6 +202,10 @@ void share_lines(PaneGroups& all) {
   }
 }
 
+std::uint64_t line_bytes(const PaneGroups& groups) {
+  return std::max<std::uint64_t>(groups.entries, 1) * kPaneLineBytes;
+}
+
 }  // namespace
 
 PaneGroups pane_groups(const fixtures::Rig& rig, bool has_sums) {
@@ -224,7 +228,7 @@ std::uint64_t pane_group_bytes(std::uint32_t binding, const fixtures::Rig& rig, 
     case FL_BINDING_GROUP_PANES: return groups.panes.size() * sizeof(GroupPaneRow);
     case FL_BINDING_PANE_GRIDS: return groups.grids.size() * sizeof(std::uint32_t);
     case FL_BINDING_PANE_FANS: return groups.rows.size() * sizeof(PaneFansRow);
-    default: return std::max<std::uint64_t>(groups.entries, 1) * kPaneLineBytes;
+    default: return line_bytes(groups);
   }
 }
 
@@ -238,8 +242,8 @@ Status make_pane_groups(vk::Device& device, const fixtures::Rig& rig, bool has_s
   FL_ASSIGN(r.pane_grids, vk::Buffer::table(device, groups.grids));
   // No table yet.
   FL_ASSIGN(r.pane_fans, vk::Buffer::table(device, std::vector<PaneFansRow>(groups.rows.size())));
-  FL_ASSIGN(r.pane_lines, vk::Buffer::device_local(device, pane_group_bytes(FL_BINDING_PANE_LINES, rig, has_sums),
-                                                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+  FL_ASSIGN(r.pane_lines,
+            vk::Buffer::device_local(device, line_bytes(groups), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   return {};
 }
 

@@ -20,9 +20,8 @@ using footlight::testing::EditUi;
 using footlight::testing::kDown;
 using footlight::testing::kEnter;
 using footlight::testing::kEscape;
-using footlight::testing::kUiRig;
 using footlight::testing::kUp;
-using footlight::testing::parsed_rig;
+using footlight::testing::rig_with_cameras;
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
@@ -37,7 +36,7 @@ OutputsView dark_output() {
 
 // A palette over a rig with two cameras, where every action is possible.
 struct PaletteUi {
-  PaletteUi() : ui(rig()) {
+  PaletteUi() : ui(rig_with_cameras()) {
     const std::vector<std::uint8_t> levels(ui.desk.compiled().universes.size() * kSlotCountMax);
     ui.desk.select(0, false);
     ui.desk.begin_gesture();
@@ -49,13 +48,6 @@ struct PaletteUi {
     ui.more = [this] {
       if (const auto one = palette.draw(ui.desk, has_log, &outputs, 1)) chosen = one;
     };
-  }
-  static fixtures::Rig rig() {
-    fixtures::Rig made = parsed_rig(kUiRig);
-    made.cameras.resize(2);
-    made.cameras[0].name = "stalls";
-    made.cameras[1].name = "wings";
-    return made;
   }
   void open() {
     chosen.reset();

@@ -62,6 +62,14 @@ inline UiRig compiled_rig(fixtures::Rig rig) {
 inline fixtures::Rig parsed_rig(const char* text) {
   return taken(fixtures::parse_rig(text, "ui.toml"));
 }
+// kUiRig with two cameras of its own.
+inline fixtures::Rig rig_with_cameras() {
+  fixtures::Rig made = parsed_rig(kUiRig);
+  made.cameras.resize(2);
+  made.cameras[0].name = "stalls";
+  made.cameras[1].name = "wings";
+  return made;
+}
 
 inline int slots_of(const fixtures::Rig& rig, std::size_t fixture) {
   return fixtures::mode_of(rig, rig.fixtures[fixture]).slot_count;

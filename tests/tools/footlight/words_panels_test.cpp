@@ -40,8 +40,7 @@ namespace {
 using testing::BracketWords;
 using testing::EditDesk;
 using testing::HeadlessImGui;
-using testing::kUiRig;
-using testing::parsed_rig;
+using testing::rig_with_cameras;
 using testing::Spoken;
 using testing::TempFolder;
 
@@ -125,17 +124,10 @@ std::vector<std::string> bare_words(const std::string& drawn, std::vector<std::s
 
 class WordsUi : public testing::DrawnUi {
  public:
-  WordsUi() : edit_(rig()), desk(edit_.desk), levels(desk.compiled().universes.size() * kSlotCountMax) {
+  WordsUi() : edit_(rig_with_cameras()), desk(edit_.desk), levels(desk.compiled().universes.size() * kSlotCountMax) {
     levels[0] = 40;
     data = names_in(desk.rig());
     data.insert(data.end(), {"/shows/club.toml", "hall.toml", "/rigs/"});
-  }
-  static fixtures::Rig rig() {
-    fixtures::Rig made = parsed_rig(kUiRig);
-    made.cameras.resize(2);
-    made.cameras[0].name = "stalls";
-    made.cameras[1].name = "wings";
-    return made;
   }
   void draw() override {
     input.levels = levels;

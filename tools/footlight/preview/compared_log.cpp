@@ -12,7 +12,7 @@ constexpr DurationNs kReadOnNs = 5 * kNsPerS;  // a seek costs as much as readin
 }  // namespace
 
 ComparedLog::ComparedLog(LogReader reader, std::string name, std::vector<Universe> universes)
-    : reader_(std::move(reader)), name_(std::move(name)), duration_ns_(reader_.info().duration_ns) {
+    : reader_(std::move(reader)), name_(std::move(name)) {
   moment_.levels.resize(universes.size() * kSlotCountMax);
   moment_.universes = std::move(universes);
 }
@@ -38,7 +38,7 @@ void ComparedLog::take(Universe universe, std::span<const std::uint8_t> levels) 
 }
 
 Status ComparedLog::go_to(TimeNs time_ns) {
-  time_ns = std::clamp<TimeNs>(time_ns, 0, duration_ns_);
+  time_ns = std::clamp<TimeNs>(time_ns, 0, duration_ns());
   if (time_ns < now_ns_ || time_ns > now_ns_ + kReadOnNs || now_ns_ < 0) {
     FL_TRY(reader_.seek(time_ns));
     std::fill(moment_.levels.begin(), moment_.levels.end(), std::uint8_t{0});

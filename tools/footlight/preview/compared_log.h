@@ -23,7 +23,7 @@ class ComparedLog {
   Status set_universes(std::vector<Universe> universes);
 
   [[nodiscard]] const std::string& name() const { return name_; }  // of the file, without its folder
-  [[nodiscard]] DurationNs duration_ns() const { return duration_ns_; }
+  [[nodiscard]] DurationNs duration_ns() const { return info().duration_ns; }
   [[nodiscard]] const LogInfo& info() const { return reader_.info(); }
 
  private:
@@ -32,7 +32,6 @@ class ComparedLog {
 
   LogReader reader_;
   std::string name_;
-  DurationNs duration_ns_ = 0;
   LevelMoment moment_;
   TimeNs now_ns_ = -1;    // of moment_; -1: nothing was read
   LogFrame next_;         // if has_next_: a frame that was read ahead

@@ -11,8 +11,7 @@ namespace footlight::tools {
 // Opens the panel that shows the comparison.
 void Preview::compare_from_here() {
   if (desk_->compiled().universes.empty()) return;
-  const bool at_time = player_ && !player_->seeking();  // the levels are those from before a seek
-  const std::optional<TimeNs> log_ns = at_time ? std::optional(controls_.transport.now_ns) : std::nullopt;
+  const std::optional<TimeNs> log_ns = player_ ? controls_.transport.levels_ns() : std::nullopt;
   desk_->comparison() = {keep_levels(desk_->compiled().universes, panel_levels(), log_ns), std::nullopt};
   (void)panels_.open_words("universes", *desk_);
 }

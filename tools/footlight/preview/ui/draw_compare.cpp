@@ -17,8 +17,7 @@ namespace footlight::tools {
 namespace {
 
 std::optional<TimeNs> log_time(const UiInput& input) {
-  const bool at_time = input.transport != nullptr && !input.transport->seeking;  // else levels are from before a seek
-  return at_time ? std::optional(input.transport->now_ns) : std::nullopt;
+  return input.transport != nullptr ? input.transport->levels_ns() : std::nullopt;
 }
 
 // Another log: its name, its time, and how far it is ahead of the window.

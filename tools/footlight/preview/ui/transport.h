@@ -30,6 +30,8 @@ struct Transport {
     TimeNs until_ns = 0;
   };
   std::optional<Seeking> seeking;
+  // The time of the levels; nothing during a seek, when they are those from before it.
+  [[nodiscard]] std::optional<TimeNs> levels_ns() const { return seeking ? std::nullopt : std::optional(now_ns); }
 
   // What the user asks for.
   bool playing = true;

@@ -96,8 +96,7 @@ class UniversesPanel final : public Panel {
     if (!desk.comparison().a) {
       ImGui::SameLine();
       if (ImGui::Button(tr_label("compare with now (K)"))) {
-        const bool at_time = input.transport != nullptr && !input.transport->seeking;
-        const auto log_ns = at_time ? std::optional(input.transport->now_ns) : std::nullopt;
+        const auto log_ns = input.transport != nullptr ? input.transport->levels_ns() : std::nullopt;
         desk.comparison().a = keep_levels(universes, input.levels, log_ns);
       }
       if (ImGui::IsItemHovered())
