@@ -15,6 +15,7 @@
 #include "render/shaders/lib/pane.glsl"
 #include "render/shaders/lib/pane_groups.glsl"
 #include "render/shaders/lib/shaft_solids.glsl"
+#include "render/shaders/lib/shaft_view.glsl"
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
@@ -32,13 +33,6 @@ const float kLossMost = 16.0;       // of a ray; beyond it, no light is left
 const float kStationsLeast = 3.0;   // a ray that goes by fewer of them takes samples of the glass
 const float kSamples = 8.0;         // so many
 const uint kWords = uint(FL_PANES_MAX) / 32u;
-
-// A pixel's ray, and what it shows of the plane of a group.
-struct View {
-  vec3 ray;     // unit
-  vec3 step_x;  // of it, a pixel to the right
-  vec3 step_y;
-};
 
 // The panes at a place of a group: rows of grids[] from x on, y of them.
 uvec2 panes_at(PaneGroupRow row, vec2 at) {
@@ -324,18 +318,6 @@ float tile_reach() {
     }
   }
   return most;
-}
-
-View view_of(uvec2 pixel) {
-  vec3 through = ray_through(vec2(pixel) + 0.5);
-  float size = length(through);
-  View view;
-  view.ray = through / size;
-  view.step_x = params.right.xyz * (2.0 / float(params.width));
-  view.step_y = params.up.xyz * (-2.0 / float(params.height));
-  view.step_x = (view.step_x - view.ray * dot(view.ray, view.step_x)) / size;
-  view.step_y = (view.step_y - view.ray * dot(view.ray, view.step_y)) / size;
-  return view;
 }
 
 void main() {

@@ -31,7 +31,7 @@ bool part_of(PaneRow row, vec3 eye, vec3 way, float end_m, out Part part) {
 ShaftDark dark_of(uint pane, PaneRow row, vec3 ray, Part part) {
   ShaftDark dark;
   dark.count = 0u;
-  uint words = (uint(occluders.length()) + 31u) / 32u;
+  uint words = mask_words();
   for (uint word = 0u; word < words; ++word) {
     for (uint bits = pane_masks[pane * words + word]; bits != 0u; bits &= bits - 1u) {
       ShaftSlabs slabs = shaft_slabs(solid_of(occluders[32u * word + uint(findLSB(bits))]), row.sun.xyz);

@@ -8,6 +8,8 @@
 #include "render/shaders/lib/surface.glsl"
 #include "render/shaders/lib/albedo.glsl"
 #include "render/shaders/lib/pane.glsl"
+#include "render/shaders/lib/shaft_occluders.glsl"
+#include "render/shaders/lib/shaft_view.glsl"
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
@@ -16,34 +18,18 @@ layout(constant_id = FL_SPEC_VIEW) const uint kView = FL_VIEW_PICTURE;
 layout(constant_id = FL_SPEC_AIR) const bool kAir = true;
 layout(constant_id = FL_SPEC_DETAIL) const bool kDetail = true;  // images as fine as pixels; else always whole ones
 layout(set = 0, binding = FL_BINDING_HEADS, std430) readonly buffer HeadsBuffer { HeadRow heads[]; };
-layout(set = 0, binding = FL_BINDING_OCCLUDERS, std430) readonly buffer OccludersBuffer { OccluderRow occluders[]; };
-layout(set = 0, binding = FL_BINDING_PANE_MASKS, std430) readonly buffer PaneMasksBuffer { uint pane_masks[]; };
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
 const float kPi = 3.141592653589793;
-const float kSlackM = 1e-4;      // of a body that light has passed, which does not hide it on a surface
-const float kLeastFacing = 0.02;
-
-struct View {
-  vec3 ray;     // unit
-  vec3 step_x;  // of it, a pixel to the right
-  vec3 step_y;
-};
 
 // u, v and c (PaneRow) of a vector.
 vec3 glass_of(PaneRow row, vec3 v) {
   return vec3(dot(row.across.xyz, v), dot(row.upward.xyz, v), dot(row.along.xyz, v));
 }
 
-ShaftSolid solid_of(OccluderRow row) {
-  // From the camera.
-  return ShaftSolid(vec3(row.center_x, row.center_y, row.center_z) - params.position.xyz, row.half_edge_0.xyz,
-                    row.half_edge_1.xyz, row.half_edge_2.xyz);
-}
-
 // Whether something hides the sun at a place on a surface; place: from the camera, c_m behind the pane.
 bool is_dark(uint pane, PaneRow row, vec3 place, float c_m, float facing, uint fixture) {
-  uint words = (uint(occluders.length()) + 31u) / 32u;
+  uint words = mask_words();
   float rounding_m = 1e-6 * length(place) + 1e-7 * length(params.position.xyz);
   bool dark = false;
   for (uint word = 0u; word < words && !dark; ++word) {
@@ -135,14 +121,7 @@ void main() {
   barrier();
   uvec2 pixel = gl_GlobalInvocationID.xy;
   if (pixel.x >= params.width || pixel.y >= params.height) return;
-  vec3 through = ray_through(vec2(pixel) + 0.5);
-  float size = length(through);
-  View view;
-  view.ray = through / size;
-  view.step_x = params.right.xyz * (2.0 / float(params.width));
-  view.step_y = params.up.xyz * (-2.0 / float(params.height));
-  view.step_x = (view.step_x - view.ray * dot(view.ray, view.step_x)) / size;
-  view.step_y = (view.step_y - view.ray * dot(view.ray, view.step_y)) / size;
+  View view = view_of(pixel);
   Surface surface = surface_at(ivec2(pixel), view.ray);
 #ifdef FL_USE_HAZE
   haze_begin(vec2(pixel) + 0.5);

@@ -1,11 +1,8 @@
 // The solids that may hide the sun from something that a tile of the picture shows, found by its threads together.
 // After shaft.h.
-layout(set = 0, binding = FL_BINDING_OCCLUDERS, std430) readonly buffer OccludersBuffer { OccluderRow occluders[]; };
-layout(set = 0, binding = FL_BINDING_PANE_MASKS, std430) readonly buffer PaneMasksBuffer { uint pane_masks[]; };
+#include "render/shaders/lib/shaft_occluders.glsl"
 
 const uint kSolidsMax = 64u;  // of a tile; with more, all that reach into a group's light are tried
-const float kSlackM = 1e-4;   // of a body that light has passed, which does not hide it on a surface
-const float kLeastFacing = 0.02;
 shared uint tile_groups[FL_PANES_MAX / 32];  // of panes, whose light the tile may show: a bit each
 // The planes at the sides of the tile's pyramid, through the camera and turned inwards; unit.
 shared vec3 tile_sides[4];
@@ -23,12 +20,6 @@ uint ordered(float v) {
 }
 float from_ordered(uint v) { return uintBitsToFloat((v & 0x80000000u) != 0u ? v & 0x7fffffffu : ~v); }
 
-ShaftSolid solid_of(OccluderRow row) {
-  // From the camera.
-  return ShaftSolid(vec3(row.center_x, row.center_y, row.center_z) - params.position.xyz, row.half_edge_0.xyz,
-                    row.half_edge_1.xyz, row.half_edge_2.xyz);
-}
-uint mask_words() { return (uint(occluders.length()) + 31u) / 32u; }
 bool reaches_into(uint group, uint solid) {
   return (pane_masks[group * mask_words() + solid / 32u] >> (solid & 31u) & 1u) != 0u;
 }
