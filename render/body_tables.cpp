@@ -196,29 +196,19 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   std::vector<BodyMeshRow> meshes;
   std::vector<BodyLevelRow> levels;
   std::vector<BodyBoxRow> boxes;
-  std::vector<fixtures::TreeNode> trees;
   std::vector<VkDrawIndexedIndirectCommand> draws;
   const auto add = [&](const fixtures::BodyMesh& mesh, std::uint32_t count, double error_m) {
-    BodyLevelRow level{static_cast<std::uint32_t>(indices.size()),
-                       static_cast<std::uint32_t>(mesh.indices.size()),
-                       static_cast<std::uint32_t>(vertices.size()),
-                       static_cast<float>(error_m),
-                       {FL_NONE, FL_NONE, FL_NONE, FL_NONE}};
-    std::vector<std::uint32_t> sorted = mesh.indices;
-    if (r.has_trees) {
-      const auto roots = fixtures::add_trees(mesh.vertices, sorted, level.index_first / 3, count == 0, trees);
-      std::copy(roots.begin(), roots.end(), level.trees);
-    }
-    levels.push_back(level);
+    levels.push_back({static_cast<std::uint32_t>(indices.size()), static_cast<std::uint32_t>(mesh.indices.size()),
+                      static_cast<std::uint32_t>(vertices.size()), static_cast<float>(error_m),
+                      static_cast<std::uint32_t>(r.body_triangles), 0});
     draws.push_back({static_cast<std::uint32_t>(mesh.indices.size()), count, static_cast<std::uint32_t>(indices.size()),
                      static_cast<std::int32_t>(vertices.size()), 0});
     vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-    indices.insert(indices.end(), sorted.begin(), sorted.end());
+    indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
   };
   std::vector<fixtures::BodyMesh> bodies(compiled.types.size());
   if (r.has_bodies) bodies = bodies_of(rig, compiled, diagnostics);
   for (fixtures::BodyMesh& body : bodies) number_sheens(body, compiled.heads.size(), sheens);
-  std::vector<std::uint32_t> head_slots(compiled.heads.size(), FL_NONE);
   std::vector<std::vector<std::uint32_t>> heads(compiled.types.size());
   for (std::uint32_t i = 0; i < compiled.heads.size(); ++i) heads[compiled.heads[i].type].push_back(i);
   for (std::uint32_t t = 0; t < compiled.types.size(); ++t) {
@@ -237,10 +227,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
     }
     const std::uint64_t triangles = body.indices.size() / 3;
     for (const std::uint32_t head : heads[t]) {
-      const bool numbered = r.body_triangles + triangles < ~std::uint32_t{0};
-      head_slots[head] = static_cast<std::uint32_t>(slots.size());
-      slots.push_back({head, static_cast<std::uint32_t>(meshes.size()),
-                       numbered ? static_cast<std::uint32_t>(r.body_triangles) : 0, numbered ? 1u : 0u});
+      slots.push_back({head, static_cast<std::uint32_t>(meshes.size()), static_cast<std::uint32_t>(r.body_triangles), 0});
       r.body_triangles += triangles;
     }
     meshes.push_back(mesh);
@@ -269,8 +256,6 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   FL_ASSIGN(r.body_boxes, vk::Buffer::table(device, boxes));
   FL_ASSIGN(r.body_levels, vk::Buffer::table(device, levels));
   FL_ASSIGN(r.draws, vk::Buffer::table(device, draws, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
-  FL_ASSIGN(r.trees, vk::Buffer::table(device, trees));
-  FL_ASSIGN(r.head_slots, vk::Buffer::table(device, head_slots));
   FL_ASSIGN(r.choices, vk::Buffer::table(device, std::vector<std::uint32_t>(slots.size(), FL_CHOICE_NONE)));
   FL_ASSIGN(r.drawn, vk::Buffer::table(device, std::vector<std::uint32_t>(slots.size(), 0)));
   return {};

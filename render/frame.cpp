@@ -112,10 +112,6 @@ Status Frame::check_settings(const FrameSettings& settings) const {
     return fail(ErrorCode::kBadInput, "white balance {} K: expected 0 for none, or {} to {}", settings.white_k,
                 kWhiteMinK, kWhiteMaxK);
   }
-  if (!(settings.small_body_px <= FL_SMALL_BODY_PX)) {
-    return fail(ErrorCode::kBadInput, "small bodies up to {} pixels: expected 0 to {}", settings.small_body_px,
-                FL_SMALL_BODY_PX);
-  }
   if (settings.gloss_px > 8) {
     return fail(ErrorCode::kBadInput, "{} pixels a side of one of a mirror: expected 0 to 8", settings.gloss_px);
   }
@@ -135,6 +131,10 @@ Status Frame::check_settings(const FrameSettings& settings) const {
 Status Frame::change(const FrameSettings& requested) {
   FL_TRY(check_settings(requested));
   FrameSettings settings = suited(requested);
+  // Numbers of triangles have 32 bits.
+  if (resources_.rig.body_triangles + resources_.rig.object_triangles >= ~std::uint32_t{0}) {
+    settings.triangles = TriangleMethod::kRasteriser;
+  }
   const fixtures::Needs needs = drawn_needs(needs_, haze_, settings);
   if (has_bodies(needs, settings) && !resources_.rig.has_bodies) {
     return fail(ErrorCode::kBadInput, "bodies were left out when the frame was made: expected a new frame");
@@ -149,15 +149,13 @@ Status Frame::change(const FrameSettings& requested) {
   if (has_bounce(needs, settings) && has_bodies(needs, settings) != resources_.rig.has_bodies) {
     return fail(ErrorCode::kBadInput, "reflected light was made with other bodies: expected a new frame");
   }
-  if (has_smooth_edges(needs, settings) && !resources_.rig.has_trees) {
-    return fail(ErrorCode::kBadInput, "smooth edges were left out when the frame was made: expected a new frame");
-  }
   const bool has_images = resources_.picture.screen.handle != VK_NULL_HANDLE;
   const bool same_images =
       has_images && settings.width == settings_.width && settings.height == settings_.height &&
       settings.supersample == settings_.supersample && has_bodies(needs, settings) == has_bodies(needs, settings_) &&
-      has_small_bodies(needs, settings) == has_small_bodies(needs, settings_) &&
+      has_computed_triangles(needs, settings) == has_computed_triangles(needs, settings_) &&
       has_smooth_edges(needs, settings) == has_smooth_edges(drawn_needs(needs_, haze_, settings_), settings_) &&
+      settings.edge_samples == settings_.edge_samples && settings.edge_pixels == settings_.edge_pixels &&
       has_glare(needs, settings) == has_glare(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_gloss(needs, settings) == has_gloss(needs, settings_) && settings.gloss_px == settings_.gloss_px &&
       settings.penumbra == settings_.penumbra &&
@@ -371,7 +369,7 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.cuts_max = picture.cuts_max;
   params.work_lx = static_cast<float>(work_light_lx_);
   params.body_error_px = static_cast<float>(settings_.body_error_px);
-  params.small_body_px = has_small_bodies(needs_, settings) ? static_cast<float>(settings.small_body_px) : 0.0f;
+  params.computed_triangles = has_computed_triangles(needs_, settings) ? 1 : 0;
   params.object_level = resources_.rig.object_draw_count > 0 ? resources_.rig.draw_count : FL_NONE;
   if (mirror != nullptr) params.mirror_m = static_cast<float>(mirror_plane_.height_m() - view.position_m.z);
   vk::full_barrier(commands);  // the frame before may still be reading
@@ -558,9 +556,8 @@ Result<BodyCounts> Frame::read_bodies() {
   FL_ASSIGN(const auto choices, read_rows<std::uint32_t>(rig.choices, rig.slot_count));
   for (const std::uint32_t choice : choices) {
     if (choice == FL_CHOICE_NONE) continue;
-    const bool small = (choice & FL_CHOICE_SMALL) != 0;
-    (small ? counts.small : counts.rastered) += 1;
-    (small ? counts.small_triangles : counts.raster_triangles) += rig.level_triangles[choice & FL_CHOICE_LEVEL];
+    ++counts.drawn;
+    counts.drawn_triangles += rig.level_triangles[choice & FL_CHOICE_LEVEL];
   }
   return counts;
 }

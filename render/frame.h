@@ -42,11 +42,9 @@ inline constexpr std::size_t kStepBytesHeldMax = std::size_t{64} << 20;
 // What a picture draws of the bodies of fixtures.
 struct BodyCounts {
   std::uint64_t bodies = 0;           // of the rig
-  std::uint64_t small = 0;            // drawn by compute shaders
-  std::uint64_t rastered = 0;         // drawn by the rasteriser
+  std::uint64_t drawn = 0;
   std::uint64_t triangles = 0;        // of the whole models of all bodies
-  std::uint64_t small_triangles = 0;  // of the levels that are drawn
-  std::uint64_t raster_triangles = 0;
+  std::uint64_t drawn_triangles = 0;   // of the levels that are drawn
   std::uint64_t object_triangles = 0;  // of the scene, all drawn
 };
 

@@ -12,9 +12,9 @@ FrameSettings Frame::suited(FrameSettings settings) const {
   if (settings.gobo_method == GoboMethod::kSuited) {
     settings.gobo_method = cpu ? GoboMethod::kTaps : GoboMethod::kTables;
   }
-  if (settings.small_body_px < 0) {
+  if (settings.triangles == TriangleMethod::kSuited) {
     // A CPU draws the demo's bodies at 640 x 360 in half the time with its rasteriser, and thousands in the same time.
-    settings.small_body_px = cpu ? 0 : FL_SMALL_BODY_PX;
+    settings.triangles = cpu ? TriangleMethod::kRasteriser : TriangleMethod::kCompute;
   }
   return settings;
 }

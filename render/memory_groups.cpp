@@ -41,7 +41,7 @@ std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
   known += states;
   known += groups.add("bodies and scenery",
                       {&rig.boxes, &rig.slots, &rig.meshes, &rig.body_levels, &rig.vertices, &rig.indices, &rig.draws,
-                       &rig.occluders, &rig.body_boxes, &rig.trees, &rig.head_slots, &rig.choices, &rig.drawn,
+                       &rig.occluders, &rig.body_boxes, &rig.choices, &rig.drawn,
                        &rig.textures, &rig.texture_texels, &rig.object_uvs});
   known += groups.add("gobos", {&rig.gobo_tables, &rig.gobo_queue, &rig.gates},
                       {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images});
@@ -60,14 +60,14 @@ std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
 
 std::uint64_t add_picture(const PictureImages& picture, Groups& groups) {
   std::uint64_t known = groups.add("light and screen", {}, {&picture.radiance, &picture.screen});
-  known += groups.add("which body a pixel shows", {&picture.small_depths, &picture.small_keys},
+  known += groups.add("which body a pixel shows", {&picture.pixel_depths, &picture.pixel_keys, &picture.draw_blocks},
                       {&picture.surface_id, &picture.depth});
   known += groups.add("beams by tile", {&picture.masks, &picture.fine_masks, &picture.tile_depths,
                                         &picture.coarse, &picture.rims, &picture.cuts});
   known += groups.add("lasers by tile", {&picture.laser_masks, &picture.laser_strips, &picture.laser_lists});
   known += groups.add("displays by tile", {&picture.display_tiles, &picture.display_records});
   known += groups.add("shadows by tile", {&picture.shadow_words, &picture.shadow_picks, &picture.shade_words});
-  known += groups.add("smooth edges", {&picture.edge_masks}, {&picture.edges});
+  known += groups.add("smooth edges", {&picture.edge_masks, &picture.edge_ids, &picture.edge_samples}, {&picture.edges});
   known += groups.add("glare", {}, {&picture.glare});
   known += groups.add("mirrored light", {}, {&picture.mirror});
   return known;

@@ -59,7 +59,7 @@ FrameSettings mirror_settings(const FrameSettings& settings) {
   mirror.height = (settings.height + side - 1) / side;
   mirror.supersample = 1;
   mirror.tile_beams = ~0u;  // pixel by pixel
-  mirror.small_body_px = 0;
+  mirror.triangles = TriangleMethod::kRasteriser;
   mirror.edge_samples = 0;
   mirror.glare = 0;
   return mirror;
@@ -104,8 +104,9 @@ std::uint64_t mirror_bytes(const MemoryShape& shape) {
        {FL_BINDING_MASKS, FL_BINDING_LASER_MASKS, FL_BINDING_LASER_STRIPS, FL_BINDING_LASER_LISTS,
         FL_BINDING_DISPLAY_TILES, FL_BINDING_DISPLAY_RECORDS,
         FL_BINDING_TILE_DEPTHS, FL_BINDING_COARSE, FL_BINDING_RIMS, FL_BINDING_CUTS, FL_BINDING_SHADOW_WORDS,
-        FL_BINDING_SHADOW_PICKS, FL_BINDING_FINE_MASKS, FL_BINDING_SHADE_WORDS, FL_BINDING_SMALL_DEPTHS,
-        FL_BINDING_SMALL_KEYS, FL_BINDING_EDGES, FL_BINDING_EDGE_MASKS, FL_BINDING_SURFACE_ID, FL_BINDING_DEPTH,
+        FL_BINDING_SHADOW_PICKS, FL_BINDING_FINE_MASKS, FL_BINDING_SHADE_WORDS, FL_BINDING_PIXEL_DEPTHS,
+        FL_BINDING_PIXEL_KEYS, FL_BINDING_DRAW_BLOCKS, FL_BINDING_EDGES, FL_BINDING_EDGE_MASKS,
+        FL_BINDING_EDGE_IDS, FL_BINDING_EDGE_SAMPLES, FL_BINDING_SURFACE_ID, FL_BINDING_DEPTH,
         FL_BINDING_RADIANCE, FL_BINDING_SCREEN}) {
     bytes += binding_bytes(static_cast<std::uint32_t>(binding), picture);
   }

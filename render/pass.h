@@ -70,9 +70,14 @@ struct PassEntry {
   const bool others = (needs.panes || needs.displays) && needs.haze && settings.view == FrameView::kPicture;
   return (has_air(needs, settings) || others) && needs.haze_field;
 }
-// Whether small bodies are drawn by compute shaders.
-[[nodiscard]] inline bool has_small_bodies(const fixtures::Needs& needs, const FrameSettings& settings) {
-  return needs.fixtures && settings.bodies && settings.small_body_px != 0;
+// Whether triangles are drawn by compute shaders. Before Frame::suited() has chosen: they may be.
+[[nodiscard]] inline bool has_computed_triangles(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_bodies(needs, settings) && settings.triangles != TriangleMethod::kRasteriser;
+}
+// Rows of the picture whose pixels have room for samples of edges at a time: whole tiles.
+[[nodiscard]] inline int edge_rows(const FrameSettings& settings) {
+  const int tiles = std::max(1, settings.edge_pixels / (settings.width * FL_TILE_PX));
+  return std::min(tiles, (settings.height + FL_TILE_PX - 1) / FL_TILE_PX) * FL_TILE_PX;
 }
 // Whether beams are taken together for tiles, where they are smooth. A rig that never has enough of them lit goes
 // without.

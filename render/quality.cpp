@@ -103,18 +103,29 @@ std::string text_of(const Knobs& knobs) {
   return text;
 }
 
+namespace {
+std::string_view word_of(TriangleMethod method) {
+  switch (method) {
+    case TriangleMethod::kSuited: return "suited";
+    case TriangleMethod::kRasteriser: return "rasteriser";
+    case TriangleMethod::kCompute: return "compute";
+  }
+  return "";
+}
+}  // namespace
+
 std::string json_of(const FrameSettings& settings, std::string_view version, double error) {
   return fmt::format(
       R"({{"footlight":"{}","error":{},"width":{},"height":{},"supersample":{},"method":"{}","nodes":{},)"
       R"("tile_error":{},"tile_beams":{},"gobo_method":"{}","gobo_taps":{},"gobo_gates":{},"gobo_px":{},)"
-      R"("body_error_px":{},"small_body_px":{},)"
+      R"("body_error_px":{},"triangles":"{}",)"
       R"("edge_samples":{},"glare":{},"bodies":{},"haze":{},"shadows":{},"shadow_map_px":{},"penumbra":{},"bounce":{},)"
       R"("dark_lm":{},"widen_thin":{},)"
       R"("white_balance_k":{},"tone":"{}","auto_exposure":{}}})",
       version, error, settings.width, settings.height, settings.supersample,
       settings.method == BeamMethod::kGauss ? "gauss" : "march", settings.nodes, settings.tile_error,
       settings.tile_beams, word_of(settings.gobo_method), settings.gobo_taps, settings.gobo_gates, settings.gobo_px,
-      settings.body_error_px, settings.small_body_px, settings.edge_samples, settings.glare, settings.bodies,
+      settings.body_error_px, word_of(settings.triangles), settings.edge_samples, settings.glare, settings.bodies,
       settings.haze, settings.shadows, settings.shadow_map_px, settings.penumbra, settings.bounce, settings.dark_lm,
       settings.widen_thin, settings.white_k, word_of(settings.tone), settings.auto_exposure);
 }

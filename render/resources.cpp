@@ -141,8 +141,6 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_BODY_VERTICES, &R::vertices},
     {FL_BINDING_BODY_INDICES, &R::indices},
     {FL_BINDING_BODY_CHOICES, &R::choices},
-    {FL_BINDING_BODY_TREES, &R::trees},
-    {FL_BINDING_HEAD_SLOTS, &R::head_slots},
     {FL_BINDING_BODY_DRAWN, &R::drawn},
     {FL_BINDING_BODY_DRAWS, &R::draws},
     {FL_BINDING_TEXTURES, &R::textures},
@@ -275,9 +273,28 @@ std::uint64_t shade_word_bytes(const FrameSettings& settings, std::uint32_t mask
   return used ? fine_mask_bytes(settings, mask_words, true) / 4 * sizeof(ShadowWordRow) : sizeof(ShadowWordRow);
 }
 
-std::uint64_t small_body_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
-  if (!has_small_bodies(needs, settings)) return 4;
+std::uint64_t pixel_words(const FrameSettings& settings) {
   return std::uint64_t{4} * static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
+}
+
+std::uint64_t computed_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_computed_triangles(needs, settings) ? pixel_words(settings) : 4;
+}
+
+std::uint64_t draw_block_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  const bool draws = has_computed_triangles(needs, settings) ||
+                     (has_smooth_edges(needs, settings) && has_bodies(needs, settings));
+  return sizeof(DrawBlocksHead) + (draws ? FL_BLOCKS_MAX : 1) * sizeof(DrawBlockRow);
+}
+
+std::uint64_t edge_id_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_smooth_edges(needs, settings) ? pixel_words(settings) : 4;
+}
+
+std::uint64_t edge_sample_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  if (!has_smooth_edges(needs, settings)) return 4;
+  return std::uint64_t{4} * settings.edge_samples * static_cast<std::uint64_t>(settings.width) *
+         static_cast<std::uint64_t>(edge_rows(settings));
 }
 
 std::uint64_t edge_mask_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
@@ -480,9 +497,11 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       const bool classes = has_tile_classes(shape.needs, settings);
       return record_bytes(records, settings, record_rows(records, settings, mask_words_of(shape.compiled), classes));
     }
-    case FL_BINDING_SMALL_DEPTHS:
-    case FL_BINDING_SMALL_KEYS: return small_body_bytes(shape.needs, settings);
-    case FL_BINDING_HEAD_SLOTS: return has_bodies(shape.needs, settings) ? shape.compiled.heads.size() * 4 : 0;
+    case FL_BINDING_PIXEL_DEPTHS:
+    case FL_BINDING_PIXEL_KEYS: return computed_bytes(shape.needs, settings);
+    case FL_BINDING_DRAW_BLOCKS: return draw_block_bytes(shape.needs, settings);
+    case FL_BINDING_EDGE_IDS: return edge_id_bytes(shape.needs, settings);
+    case FL_BINDING_EDGE_SAMPLES: return edge_sample_bytes(shape.needs, settings);
     case FL_BINDING_EDGES: return (has_smooth_edges(shape.needs, settings) ? pixels : 1) * 16;
     case FL_BINDING_EDGE_MASKS: return edge_mask_bytes(shape.needs, settings);
     case FL_BINDING_SHEENS: return shape.needs.sheen ? FL_SHEENS_MAX * sizeof(SheenRow) : 0;
@@ -490,7 +509,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_MIRROR: return mirror_bytes(shape);
     case FL_BINDING_GLARE: return has_glare(shape.needs, settings) ? glare_shape(settings).bytes() : 0;
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
-    case FL_BINDING_DEPTH: return solid_pixels * 4;
+    case FL_BINDING_DEPTH: return (has_computed_triangles(shape.needs, settings) ? 1 : solid_pixels) * 4;
     case FL_BINDING_RADIANCE: return pixels * 16;
     case FL_BINDING_SCREEN: return pixels / (side * side) * 4;
     default: return 0;
@@ -585,11 +604,10 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   fixtures::Diagnostics diagnostics;
   if (device.name().find("llvmpipe") != std::string::npos) add_lavapipe_limits(device, shape, diagnostics);
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);
-  r.has_trees = has_smooth_edges(shape.needs, shape.settings);
   r.has_shadows = render::has_shadows(shape.needs, shape.settings);
   r.has_occluders = render::has_occluders(shape.needs, shape.settings);
   std::vector<fixtures::SolidBox> object_solids;
-  if (r.has_bodies || r.has_trees) {
+  if (r.has_bodies) {
     FL_TRY(
         make_bodies(device, shape.rig, compiled, diagnostics, r, r.has_occluders ? &object_solids : nullptr, sheens));
   }
@@ -674,14 +692,18 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   p.cuts_max = record_rows(kCuts, settings, mask_words, classes);
   FL_ASSIGN(p.rims, zeroed(device, record_bytes(kRims, settings, p.rims_max)));
   FL_ASSIGN(p.cuts, zeroed(device, record_bytes(kCuts, settings, p.cuts_max)));
-  FL_ASSIGN(p.small_depths, zeroed(device, small_body_bytes(needs, settings)));
-  FL_ASSIGN(p.small_keys, zeroed(device, small_body_bytes(needs, settings)));
+  FL_ASSIGN(p.pixel_depths, zeroed(device, computed_bytes(needs, settings)));
+  FL_ASSIGN(p.pixel_keys, zeroed(device, computed_bytes(needs, settings)));
+  FL_ASSIGN(p.draw_blocks, zeroed(device, draw_block_bytes(needs, settings), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
+  FL_ASSIGN(p.edge_ids, zeroed(device, edge_id_bytes(needs, settings)));
+  FL_ASSIGN(p.edge_samples, zeroed(device, edge_sample_bytes(needs, settings)));
   const std::uint32_t solid_width = bodies ? width : 1;
   const std::uint32_t solid_height = bodies ? height : 1;
   FL_ASSIGN(p.surface_id, vk::Image::create(device, solid_width, solid_height, VK_FORMAT_R32G32_UINT,
                                             VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_STORAGE_BIT));
-  FL_ASSIGN(p.depth, vk::Image::create(device, solid_width, solid_height, VK_FORMAT_D32_SFLOAT,
-                                       VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT));
+  const bool computed = has_computed_triangles(needs, settings);
+  FL_ASSIGN(p.depth, vk::Image::create(device, computed ? 1 : solid_width, computed ? 1 : solid_height,
+                                       VK_FORMAT_D32_SFLOAT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT));
   const bool edges = has_smooth_edges(needs, settings);
   FL_ASSIGN(p.edge_masks, zeroed(device, edge_mask_bytes(needs, settings)));
   FL_ASSIGN(p.edges, vk::Image::create(device, edges ? width : 1, edges ? height : 1, VK_FORMAT_R32G32B32A32_SFLOAT,
@@ -735,9 +757,12 @@ void Resources::bind_all() {
   bind(FL_BINDING_SHADOW_PICKS, picture.shadow_picks);
   bind(FL_BINDING_SHADE_WORDS, picture.shade_words);
   bind(FL_BINDING_FINE_MASKS, picture.fine_masks);
-  bind(FL_BINDING_SMALL_DEPTHS, picture.small_depths);
-  bind(FL_BINDING_SMALL_KEYS, picture.small_keys);
+  bind(FL_BINDING_PIXEL_DEPTHS, picture.pixel_depths);
+  bind(FL_BINDING_PIXEL_KEYS, picture.pixel_keys);
+  bind(FL_BINDING_DRAW_BLOCKS, picture.draw_blocks);
   bind(FL_BINDING_EDGE_MASKS, picture.edge_masks);
+  bind(FL_BINDING_EDGE_IDS, picture.edge_ids);
+  bind(FL_BINDING_EDGE_SAMPLES, picture.edge_samples);
   if (rig.gobos.handle != VK_NULL_HANDLE) {
     bindings.set_image(FL_BINDING_GOBOS, rig.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }
@@ -775,9 +800,9 @@ std::uint64_t Resources::body_bytes() const {
   if (!rig.has_bodies) return 0;
   std::uint64_t bytes = picture.surface_id.size_bytes + picture.depth.size_bytes;
   const vk::Buffer* const buffers[] = {
-      &rig.slots,   &rig.meshes, &rig.body_boxes, &rig.trees, &rig.head_slots,       &rig.body_levels,   &rig.vertices,
-      &rig.indices, &rig.draws,  &rig.choices,    &rig.drawn, &picture.small_depths, &picture.small_keys,
-      &rig.textures, &rig.texture_texels, &rig.object_uvs};
+      &rig.slots,   &rig.meshes, &rig.body_boxes, &rig.body_levels,   &rig.vertices,
+      &rig.indices, &rig.draws,  &rig.choices,    &rig.drawn, &picture.pixel_depths, &picture.pixel_keys,
+      &picture.draw_blocks, &rig.textures, &rig.texture_texels, &rig.object_uvs};
   for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
   return bytes;
 }

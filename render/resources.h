@@ -88,7 +88,6 @@ struct RigTables {
   vk::Buffer bounce_solids, bounce_tree, bounce_patch_rows, bounce_grid, bounce_forms, bounce_flux, bounce_light;
   vk::Buffer haze;               // HazeField
   vk::Image haze_table;          // of haze that is not even; a texel where it is even
-  vk::Buffer trees, head_slots;  // TreeRow; the slot of each head, FL_NONE: it has no body
   vk::Buffer choices, drawn;     // one word a body: its level; heads that the rasteriser draws, by mesh and level
   vk::Buffer counts;             // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
 
@@ -143,7 +142,6 @@ struct RigTables {
   std::uint32_t shadow_map_px = 0;  // texels a side of shadow maps; 0: shadows are cut exactly
   std::uint32_t lens_points = 1;    // most points of a lens from which exact shadows have room
   bool has_occluders = false;     // it is known what hides light
-  bool has_trees = false;         // there is what smooth edges need
   bool has_bounce = false;        // there is what reflected light needs
   bool has_bounce_forms = false;  // they were computed
   std::uint32_t bounce_patches = 0;
@@ -176,7 +174,10 @@ struct PictureImages {
   vk::Buffer shadow_picks;              // lists of shadows by supertile (lib/shadow_picks.glsl)
   vk::Buffer shade_words;               // ShadowWordRow, one a word of fine_masks
   vk::Buffer fine_masks;                // masks of FL_FINE_PX x FL_FINE_PX pixels; likewise
-  vk::Buffer small_depths, small_keys;  // of small bodies, one word a pixel; likewise
+  vk::Buffer pixel_depths, pixel_keys;  // of triangles that compute shaders draw, one word a pixel; likewise
+  vk::Buffer draw_blocks;               // DrawBlocksHead, then DrawBlockRow
+  vk::Buffer edge_ids;                  // which surface a pixel shows; likewise
+  vk::Buffer edge_samples;              // FrameSettings::edge_samples a pixel of edge_rows(); likewise
   vk::Buffer edge_masks;                // FL_EDGE_WORDS a tile; likewise
   vk::Image edges;                      // colours of pixels with edges; likewise
   vk::Image glare;                      // GlareShape (render/glare.h); none without glare

@@ -44,6 +44,8 @@ inline constexpr std::uint32_t kMapUsualPx = 64;
 inline constexpr std::uint32_t kMapLeastPx = 16;
 inline constexpr std::uint32_t kMapMostPx = 256;
 
+enum class TriangleMethod { kSuited, kRasteriser, kCompute };
+
 struct FrameSettings {
   int width = 1280;
   int height = 720;
@@ -69,9 +71,9 @@ struct FrameSettings {
   // Error in the picture that a plainer model of a body may have, in pixels; 0: whole models. A body is left out if its
   // diameter is below an eighth of that.
   double body_error_px = 0.5;
-  // Bodies up to this diameter, 0 to FL_SMALL_BODY_PX, are drawn by compute shaders; 0: the rasteriser draws all. Below
-  // 0: as suits the device, which is 0 on a CPU and else FL_SMALL_BODY_PX.
-  double small_body_px = -1;
+  // What draws the triangles of bodies and objects. kSuited: the rasteriser on a CPU, else compute shaders, if each
+  // triangle of the rig can have a number below 2^32 - 1.
+  TriangleMethod triangles = TriangleMethod::kSuited;
   bool haze = true;        // light in the air, where the rig has haze
   double dark_lm = 0;      // beams with no more flux are left out
   // Beams thinner than a pixel are drawn a pixel wide and as much weaker, lenses of a few pixels as splats of their
@@ -79,6 +81,8 @@ struct FrameSettings {
   bool widen_thin = true;
   // Samples of what a pixel shows, where the edge of something solid may be in it: 4, 8 or 16; 0: edges stay jagged.
   std::uint32_t edge_samples = 16;
+  // Pixels with room for samples at a time, 4 bytes each sample; at least a row of tiles has. The picture is the same.
+  int edge_pixels = FL_EDGE_PIXELS;
   bool shadows = true;  // boxes and bodies hide light
   // Texels a side of shadow maps, 16 to 256, a power of two; 0: shadows are cut exactly. A new frame makes fewer where
   // the maps of all beams would take more than FL_MAP_BYTES_MAX. kShadowsSuited: as suits the rig (suited_map_px,

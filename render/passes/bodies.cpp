@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 #include "fixtures/bodies/primitives.h"
 #include "render/passes/compute_pass.h"
+#include "render/passes/triangles.h"
 #include "shaders/body.vert.h"
+#include "shaders/drawblocks.comp.h"
+#include "shaders/drawbodies.comp.h"
+#include "shaders/drawobjects.comp.h"
 #include "shaders/list.comp.h"
 #include "shaders/mirror.frag.h"
 #include "shaders/object.vert.h"
@@ -16,11 +21,12 @@
 #include "shaders/sheenbody.vert.h"
 #include "shaders/sheenbodymirror.frag.h"
 #include "shaders/sheenmirror.frag.h"
+#include "shaders/sheenresolve.comp.h"
 #include "shaders/sheensurface.frag.h"
-#include "shaders/small.comp.h"
 #include "shaders/surface.frag.h"
 #include "shaders/texturemirror.frag.h"
 #include "shaders/textureobject.vert.h"
+#include "shaders/textureresolve.comp.h"
 #include "shaders/texturesurface.frag.h"
 
 namespace footlight::render {
@@ -30,7 +36,9 @@ class BodiesPass final : public Pass {
  public:
   // Null pipelines: nothing to do for them.
   struct Parts {
-    BoundPipeline place, list, small_depths, small_keys, resolve, bodies, objects;
+    BoundPipeline place, list, bodies, objects;  // the rasteriser's are the last three
+    std::optional<DrawnTriangles> depths, keys;  // those of compute shaders
+    BoundPipeline resolve;
   };
 
   BodiesPass(const PassContext& context, Parts parts)
@@ -41,25 +49,17 @@ class BodiesPass final : public Pass {
         parts_(std::move(parts)) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte>) override {
-    const RigTables& rig = resources_.rig;
-    const bool small = parts_.resolve.pipeline != nullptr;
-    if (parts_.place.pipeline) {
-      dispatch(commands, parts_.place, groups_of(rig.slot_count, FL_GROUP_HEADS), 1);
-      if (small) {
-        vkCmdFillBuffer(commands, resources_.picture.small_depths.handle, 0, VK_WHOLE_SIZE, 0);  // infinitely far
-        vkCmdFillBuffer(commands, resources_.picture.small_keys.handle, 0, VK_WHOLE_SIZE, 0);
-      }
+    if (parts_.place.pipeline) dispatch(commands, parts_.place, groups_of(resources_.rig.slot_count, FL_GROUP_HEADS), 1);
+    if (parts_.resolve.pipeline) {
+      compute(commands);
+      return;
+    }
+    if (parts_.list.pipeline) {
       vk::full_barrier(commands);
-      dispatch(commands, parts_.list, rig.mesh_count, 1);
-      if (small) draw_small(commands, parts_.small_depths);
+      dispatch(commands, parts_.list, resources_.rig.mesh_count, 1);
       vk::full_barrier(commands);
     }
     raster(commands);
-    if (small) {
-      draw_small(commands, parts_.small_keys);
-      vk::full_barrier(commands);
-      dispatch(commands, parts_.resolve, tile_groups(static_cast<int>(width_)), tile_groups(static_cast<int>(height_)));
-    }
   }
 
  private:
@@ -68,9 +68,19 @@ class BodiesPass final : public Pass {
     vkCmdDispatch(commands, x, y, 1);
   }
 
-  void draw_small(VkCommandBuffer commands, const BoundPipeline& bound) const {
-    const std::uint32_t x = std::min<std::uint32_t>(resources_.rig.slot_count, FL_SLOTS_X);
-    dispatch(commands, bound, x, (resources_.rig.slot_count + x - 1) / x);
+  // The nearest depth of each pixel, the first triangle there, then what it shows.
+  void compute(VkCommandBuffer commands) const {
+    const PictureImages& picture = resources_.picture;
+    const RowsPush rows{0, static_cast<std::int32_t>(height_)};
+    vkCmdFillBuffer(commands, picture.pixel_depths.handle, 0, VK_WHOLE_SIZE, 0);  // infinitely far
+    vkCmdFillBuffer(commands, picture.pixel_keys.handle, 0, VK_WHOLE_SIZE, 0);
+    for (const std::optional<DrawnTriangles>* drawn : {&parts_.depths, &parts_.keys}) {
+      DrawnTriangles::clear(commands, resources_);
+      vk::full_barrier(commands);
+      (*drawn)->record(commands, resources_, rows);
+      vk::full_barrier(commands);
+    }
+    dispatch(commands, parts_.resolve, tile_groups(static_cast<int>(width_)), tile_groups(static_cast<int>(height_)));
   }
 
   void raster(VkCommandBuffer commands) const {
@@ -163,13 +173,20 @@ const PassEntry kBodiesPass{
       BodiesPass::Parts parts;
       if (r.rig.slot_count > 0) {
         FL_ASSIGN(parts.place, BoundPipeline::compute(context, kPlaceComp, {}));
+      }
+      if (context.settings.triangles == TriangleMethod::kCompute) {
+        const DrawnTriangles::Shaders shaders{kDrawbodiesComp, kDrawobjectsComp, kDrawblocksComp};
+        FL_ASSIGN(parts.depths, DrawnTriangles::create(context, shaders, {{FL_SPEC_KEYS, 0}}));
+        FL_ASSIGN(parts.keys, DrawnTriangles::create(context, shaders, {{FL_SPEC_KEYS, 1}}));
+        const vk::Spirv resolve = r.rig.texture_count == 0 ? vk::Spirv(kResolveComp)
+                                  : sheen                  ? vk::Spirv(kSheenresolveComp)
+                                                           : vk::Spirv(kTextureresolveComp);
+        FL_ASSIGN(parts.resolve, BoundPipeline::compute(context, resolve, {{FL_SPEC_SHEEN, sheen}}));
+        return std::unique_ptr<Pass>(new BodiesPass(context, std::move(parts)));
+      }
+      if (r.rig.slot_count > 0) {
         FL_ASSIGN(parts.list, BoundPipeline::compute(context, kListComp, {}));
         FL_ASSIGN(parts.bodies, raster_part(context, raster));
-        if (context.settings.small_body_px > 0) {
-          FL_ASSIGN(parts.small_depths, BoundPipeline::compute(context, kSmallComp, {{FL_SPEC_SMALL_KEYS, 0}}));
-          FL_ASSIGN(parts.small_keys, BoundPipeline::compute(context, kSmallComp, {{FL_SPEC_SMALL_KEYS, 1}}));
-          FL_ASSIGN(parts.resolve, BoundPipeline::compute(context, kResolveComp, {{FL_SPEC_SHEEN, sheen}}));
-        }
       }
       if (r.rig.object_draw_count > 0) {
         raster.vertex_spirv = r.rig.texture_count > 0 ? vk::Spirv(kTextureobjectVert) : vk::Spirv(kObjectVert);
@@ -182,8 +199,12 @@ const PassEntry kBodiesPass{
     [] {
       return std::vector<std::vector<vk::Spirv>>{{kPlaceComp},
                                                  {kListComp},
-                                                 {kSmallComp},
+                                                 {kDrawbodiesComp},
+                                                 {kDrawobjectsComp},
+                                                 {kDrawblocksComp},
                                                  {kResolveComp},
+                                                 {kTextureresolveComp},
+                                                 {kSheenresolveComp},
                                                  {kBodyVert, kSurfaceFrag},
                                                  {kObjectVert, kSurfaceFrag},
                                                  {kBodyVert, kMirrorFrag},

@@ -32,7 +32,7 @@ void main() {
   for (uint level = 0u; level < FL_BODY_LEVELS; ++level) counts[level][thread] = 0u;
   for (uint slot = first; slot < end; ++slot) {
     uint choice = choices[slot];
-    if ((choice & FL_CHOICE_SMALL) == 0u) ++counts[choice - mesh.level_first][thread];
+    if (choice != FL_CHOICE_NONE) ++counts[(choice & FL_CHOICE_LEVEL) - mesh.level_first][thread];
   }
   barrier();
   if (thread < mesh.level_count) {
@@ -53,8 +53,8 @@ void main() {
   }
   for (uint slot = first; slot < end; ++slot) {
     uint choice = choices[slot];
-    if ((choice & FL_CHOICE_SMALL) != 0u) continue;
-    uint own = choice - mesh.level_first;
+    if (choice == FL_CHOICE_NONE) continue;
+    uint own = (choice & FL_CHOICE_LEVEL) - mesh.level_first;
     uint at = mesh.slot_first;
     for (uint level = 0u; level < own; ++level) at += totals[level];
     drawn[at + counts[own][thread]++] = slots[slot].head;

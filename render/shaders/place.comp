@@ -10,16 +10,6 @@
 layout(local_size_x = FL_GROUP_HEADS) in;
 layout(set = 0, binding = FL_BINDING_BODY_CHOICES, std430) writeonly buffer ChoicesBuffer { uint choices[]; };
 
-// The most that a space stretches a length: the largest row sum of the products of its axes is no smaller than the
-// square of that, and equal where the axes are at right angles.
-float stretch(Placed at) {
-  float xy = abs(dot(at.x_axis, at.y_axis));
-  float xz = abs(dot(at.x_axis, at.z_axis));
-  float yz = abs(dot(at.y_axis, at.z_axis));
-  return sqrt(max(dot(at.x_axis, at.x_axis) + xy + xz,
-                  max(dot(at.y_axis, at.y_axis) + xy + yz, dot(at.z_axis, at.z_axis) + xz + yz)));
-}
-
 void main() {
   uint slot = gl_GlobalInvocationID.x;
   if (slot >= uint(slots.length())) return;
@@ -65,9 +55,7 @@ void main() {
     for (uint i = 1u; i < mesh.level_count && params.body_error_px > 0.0; ++i) {
       if (levels[mesh.level_first + i].error_m * px_per_m <= params.body_error_px) choice = mesh.level_first + i;
     }
-    if (body.numbered != 0u && diameter_px <= params.small_body_px) {
-      choice |= diameter_px < float(FL_WIDE_BODY_PX) ? FL_CHOICE_SMALL : FL_CHOICE_SMALL | FL_CHOICE_WIDE;
-    }
+    if (!(diameter_px < float(FL_WIDE_BODY_PX))) choice |= FL_CHOICE_WIDE;
   }
   choices[slot] = choice;
 }

@@ -1,5 +1,6 @@
 #version 460
-// Writes the triangles of small bodies into the visibility buffer, where no larger body and no object is as near.
+// Writes the triangles that compute shaders drew into the visibility buffer, as surface.frag does those of the
+// rasteriser. FL_TEXTURES, FL_SHEEN: of rigs whose objects have textures, and sheen.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
@@ -7,6 +8,10 @@
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/bodies.glsl"
 #include "render/shaders/lib/normal.glsl"
+#ifdef FL_TEXTURES
+#include "render/shaders/lib/texture.glsl"
+layout(set = 0, binding = FL_BINDING_OBJECT_UVS, std430) readonly buffer UvsBuffer { vec2 object_uvs[]; };
+#endif
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
 layout(constant_id = FL_SPEC_SHEEN) const bool kSheen = false;
@@ -15,10 +20,76 @@ layout(set = 0, binding = FL_BINDING_BODY_VERTICES, std430) readonly buffer Vert
 };
 layout(set = 0, binding = FL_BINDING_BODY_INDICES, std430) readonly buffer IndicesBuffer { uint indices[]; };
 layout(set = 0, binding = FL_BINDING_BODY_CHOICES, std430) readonly buffer ChoicesBuffer { uint choices[]; };
-layout(set = 0, binding = FL_BINDING_SMALL_DEPTHS, std430) buffer DepthsBuffer { uint depths[]; };
-layout(set = 0, binding = FL_BINDING_SMALL_KEYS, std430) readonly buffer KeysBuffer { uint keys[]; };
-layout(set = 0, binding = FL_BINDING_DEPTH) uniform sampler2D depth_image;
+layout(set = 0, binding = FL_BINDING_PIXEL_DEPTHS, std430) buffer DepthsBuffer { uint depths[]; };
+layout(set = 0, binding = FL_BINDING_PIXEL_KEYS, std430) readonly buffer KeysBuffer { uint keys[]; };
 layout(set = 0, binding = FL_BINDING_SURFACE_ID, rg32ui) uniform writeonly uimage2D surface_id;
+
+// The corners of a triangle, from the camera, m.
+struct Corners {
+  vec3 place_m[3];
+  vec3 normal[3];
+  uint vertex[3];  // within its level
+  uint part;
+};
+
+Corners object_corners(BodyLevelRow level, uint triangle) {
+  Corners c;
+  for (uint i = 0u; i < 3u; ++i) {
+    c.vertex[i] = indices[level.index_first + 3u * triangle + i];
+    BodyVertexRow v = vertices[level.vertex_first + c.vertex[i]];
+    c.place_m[i] = vec3(v.x, v.y, v.z) - params.position.xyz;
+    c.normal[i] = vec3(v.normal_x, v.normal_y, v.normal_z);
+    if (i == 0u) c.part = v.part;
+  }
+  return c;
+}
+
+Corners body_corners(BodyLevelRow level, uint triangle, uint head) {
+  HeadRow row = heads[head];
+  TypeRow type = types[row.type];
+  HeadState state = states[head];
+  Corners c;
+  for (uint i = 0u; i < 3u; ++i) {
+    c.vertex[i] = indices[level.index_first + 3u * triangle + i];
+    BodyVertexRow v = vertices[level.vertex_first + c.vertex[i]];
+    uint depth = v.part & uint(FL_PART_DEPTH);
+    vec3 p = chain_to_fixture(type, state, depth, vec3(v.x, v.y, v.z), 1.0);
+    vec3 n = chain_to_fixture(type, state, depth, vec3(v.normal_x, v.normal_y, v.normal_z), 0.0);
+    c.place_m[i] = fixture_to_stage_point(row, p) - params.position.xyz;
+    c.normal[i] = fixture_to_stage_direction(row, n);
+    if (i == 0u) c.part = v.part;
+  }
+  return c;
+}
+
+// The slot of a body's triangle: the last whose triangles begin no later.
+uint slot_of(uint triangle) {
+  uint slot = 0u;
+  uint end = uint(slots.length());
+  while (end - slot > 1u) {
+    uint middle = (slot + end) / 2u;
+    if (slots[middle].triangle_first <= triangle) slot = middle;
+    else end = middle;
+  }
+  return slot;
+}
+
+// Where a ray meets the plane of a triangle: the shares of its second and third corner (Moeller and Trumbore 1997).
+vec2 shares_at(Corners c, vec3 ray) {
+  vec3 to_b = c.place_m[1] - c.place_m[0];
+  vec3 to_c = c.place_m[2] - c.place_m[0];
+  vec3 across = cross(ray, to_c);
+  float volume = dot(to_b, across);
+  if (!(abs(volume) > 0.0)) return vec2(1.0 / 3.0);
+  return vec2(dot(-c.place_m[0], across), dot(ray, cross(-c.place_m[0], to_b))) / volume;
+}
+
+#ifdef FL_TEXTURES
+vec2 uv_at(Corners c, vec2 share) {
+  return object_uvs[c.vertex[0]] * (1.0 - share.x - share.y) + object_uvs[c.vertex[1]] * share.x +
+         object_uvs[c.vertex[2]] * share.y;
+}
+#endif
 
 void main() {
   uvec2 at = gl_GlobalInvocationID.xy;
@@ -30,56 +101,47 @@ void main() {
     if (depths[pixel] != 0u) depths[pixel] = 0u;
     return;
   }
-  if (uintBitsToFloat(depths[pixel]) <= texelFetch(depth_image, ivec2(at), 0).x) return;
-  // The last slot whose triangles begin no later.
   uint triangle = ~key;
-  uint slot = 0u;
-  uint end = uint(slots.length());
-  while (end - slot > 1u) {
-    uint middle = (slot + end) / 2u;
-    if (slots[middle].numbered != 0u && slots[middle].triangle_first <= triangle) slot = middle;
-    else end = middle;
+  bool is_object = params.object_level != FL_NONE && triangle >= levels[params.object_level].triangle_first;
+  Corners c;
+  uint id;
+  if (is_object) {
+    BodyLevelRow level = levels[params.object_level];
+    c = object_corners(level, triangle - level.triangle_first);
+    id = c.part;
+  } else {
+    uint slot = slot_of(triangle);
+    BodySlotRow body = slots[slot];
+    c = body_corners(levels[choices[slot] & FL_CHOICE_LEVEL], triangle - body.triangle_first, body.head);
+    id = 1u + (body.head << 3 | c.part & 7u);
   }
-  BodySlotRow body = slots[slot];
-  BodyLevelRow level = levels[choices[slot] & FL_CHOICE_LEVEL];
-  HeadRow row = heads[body.head];
-  TypeRow type = types[row.type];
-  HeadState state = states[body.head];
-  vec3 corner_m[3];
-  vec3 normal[3];
-  uint part = 0u;
-  for (uint i = 0u; i < 3u; ++i) {
-    BodyVertexRow v =
-        vertices[level.vertex_first + indices[level.index_first + 3u * (triangle - body.triangle_first) + i]];
-    uint depth = v.part & uint(FL_PART_DEPTH);
-    vec3 p = chain_to_fixture(type, state, depth, vec3(v.x, v.y, v.z), 1.0);
-    vec3 n = chain_to_fixture(type, state, depth, vec3(v.normal_x, v.normal_y, v.normal_z), 0.0);
-    corner_m[i] = fixture_to_stage_point(row, p) - params.position.xyz;
-    normal[i] = fixture_to_stage_direction(row, n);
-    if (i == 0u) part = v.part;
-  }
-  // Where the ray through the pixel's middle meets the triangle (Moeller and Trumbore 1997).
   vec3 ray = ray_through(vec2(at) + 0.5);
-  vec3 to_b = corner_m[1] - corner_m[0];
-  vec3 to_c = corner_m[2] - corner_m[0];
-  vec3 face = cross(to_b, to_c);
-  vec3 across = cross(ray, to_c);
-  float volume = dot(to_b, across);
-  vec2 share = vec2(1.0 / 3.0);
-  if (abs(volume) > 0.0) {
-    share = vec2(dot(-corner_m[0], across), dot(ray, cross(-corner_m[0], to_b))) / volume;
-    share = clamp(share, 0.0, 1.0);
-    share /= max(share.x + share.y, 1.0);
-  }
-  vec3 n = normal[0] * (1.0 - share.x - share.y) + normal[1] * share.x + normal[2] * share.y;
+  vec2 plane = shares_at(c, ray);
+  vec2 share = clamp(plane, 0.0, 1.0);
+  share /= max(share.x + share.y, 1.0);
+  vec3 n = c.normal[0] * (1.0 - share.x - share.y) + c.normal[1] * share.x + c.normal[2] * share.y;
   // As surface.frag: a normal that lies on the far side of its triangle is turned over.
+  vec3 face = cross(c.place_m[1] - c.place_m[0], c.place_m[2] - c.place_m[0]);
   if (dot(face, ray) > 0.0) face = -face;
   if (dot(n, face) < 0.0) n = -n;
-  uint sheen = kSheen ? part >> FL_PART_SHEEN_SHIFT : 0u;
-  if (sheen != 0u) {
-    uint id = 1u + ((body.head << 3) | (part & 7u)) | FL_BODY_SHEEN;
-    imageStore(surface_id, ivec2(at), uvec4(pack_sheen_normal(n, sheen), id, 0u, 0u));
-    return;
+  uint sheen = 0u;
+  if (kSheen && !is_object) {
+    sheen = c.part >> FL_PART_SHEEN_SHIFT;
+    if (sheen != 0u) id |= FL_BODY_SHEEN;
   }
-  imageStore(surface_id, ivec2(at), uvec4(pack_normal(n), 1u + ((body.head << 3) | part), 0u, 0u));
+#ifdef FL_TEXTURES
+  if (is_object && (id & FL_OBJECT_TEXTURED) != 0u) {
+    vec2 dx = shares_at(c, ray_through(vec2(at) + vec2(1.0, 0.0) + 0.5)) - plane;
+    vec2 dy = shares_at(c, ray_through(vec2(at) + vec2(0.0, 1.0) + 0.5)) - plane;
+    vec2 uv = uv_at(c, share);
+    uint number = id & ~(FL_OBJECT | FL_OBJECT_TEXTURED);
+#ifdef FL_SHEEN
+    id = textured_identity(number, uv, uv_at(c, share + dx) - uv, uv_at(c, share + dy) - uv, vec2(at) + 0.5, sheen);
+#else
+    id = textured_identity(number, uv, uv_at(c, share + dx) - uv, uv_at(c, share + dy) - uv, vec2(at) + 0.5);
+#endif
+  }
+#endif
+  bool has_sheen = kSheen && (id & FL_BODY_SHEEN) != 0u;  // the same bit of an object
+  imageStore(surface_id, ivec2(at), uvec4(has_sheen ? pack_sheen_normal(n, sheen) : pack_normal(n), id, 0u, 0u));
 }

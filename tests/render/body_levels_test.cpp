@@ -97,10 +97,10 @@ TEST_CASE(
   const auto frame = make_frame(vulkan.device(), scene, sized(8, 8));
   const auto around = make_frame(vulkan.device(), scene, sized(8, 8));
   for (const auto& [width, height] : {std::pair{63, 37}, std::pair{1, 1}}) {
-    for (const double small_px : {0.0, 128.0}) {
+    for (const TriangleMethod triangles : {TriangleMethod::kRasteriser, TriangleMethod::kCompute}) {
       FrameSettings settings = sized(width, height);
       settings.body_error_px = 0;
-      settings.small_body_px = small_px;
+      settings.triangles = triangles;
       FrameSettings larger = settings;
       larger.width *= 3;
       larger.height *= 3;
@@ -109,7 +109,7 @@ TEST_CASE(
       int bodies = 0;
       for (const fixtures::Camera& camera : cameras(scene)) {
         CAPTURE(camera.name);
-        CAPTURE(small_px);
+        CAPTURE(static_cast<int>(triangles));
         scene.camera = camera;
         const RadianceImage image = draw(*frame, scene);
         scene.camera.fov_deg = 2 * std::atan(3 * std::tan(camera.fov_deg * kDegree / 2)) / kDegree;
@@ -135,18 +135,15 @@ TEST_CASE("compute shaders draw whole models as the rasteriser does") {
   Scene scene = dark_scene();
   FrameSettings settings = sized(320, 180);
   settings.body_error_px = 0;
-  settings.small_body_px = 0;
+  settings.triangles = TriangleMethod::kRasteriser;
   const auto raster = make_frame(vulkan.device(), scene, settings);
-  settings.small_body_px = 128;
+  settings.triangles = TriangleMethod::kCompute;
   const auto compute = make_frame(vulkan.device(), scene, settings);
-  std::uint64_t small = 0;
   for (const fixtures::Camera& camera : cameras(scene)) {
     CAPTURE(camera.name);
     scene.camera = camera;
     const RadianceImage one = draw(*raster, scene);
     const RadianceImage other = draw(*compute, scene);
-    CHECK(must(raster->read_bodies()).small == 0);
-    small += must(compute->read_bodies()).small;
     int others = 0;  // show something else
     int unlike = 0;  // have another brightness: of two faces in one plane, rounding chooses
     for (std::size_t i = 0; i < one.rgb.size(); i += 3) {
@@ -156,7 +153,6 @@ TEST_CASE("compute shaders draw whole models as the rasteriser does") {
     CHECK(others <= pixels_shown(one) / 500 + 1);
     CHECK(unlike <= pixels_shown(one) / 100 + 1);
   }
-  CHECK(small > 100);
 }
 
 TEST_CASE("plainer levels have fewer triangles and change few pixels") {
@@ -169,8 +165,8 @@ TEST_CASE("plainer levels have fewer triangles and change few pixels") {
   const RadianceImage exact = draw(*whole, scene);
   const BodyCounts all = must(whole->read_bodies());
   CHECK(all.bodies == 24);
-  CHECK(all.small + all.rastered == 24);
-  CHECK(all.small_triangles + all.raster_triangles == all.triangles);
+  CHECK(all.drawn == 24);
+  CHECK(all.drawn_triangles == all.triangles);
   std::uint64_t triangles = all.triangles;
   double error = 0;
   for (const double error_px : {0.25, 0.5, 2.0}) {
@@ -179,9 +175,9 @@ TEST_CASE("plainer levels have fewer triangles and change few pixels") {
     const auto frame = make_frame(vulkan.device(), scene, settings);
     const RadianceImage image = draw(*frame, scene);
     const BodyCounts counts = must(frame->read_bodies());
-    CHECK(counts.small + counts.rastered == 24);
-    CHECK(counts.small_triangles + counts.raster_triangles < triangles);
-    triangles = counts.small_triangles + counts.raster_triangles;
+    CHECK(counts.drawn == 24);
+    CHECK(counts.drawn_triangles < triangles);
+    triangles = counts.drawn_triangles;
     int others = 0;
     for (int y = 0; y < 180; ++y) {
       for (int x = 0; x < 320; ++x) others += shows(exact, x, y) != shows(image, x, y) ? 1 : 0;
@@ -205,7 +201,7 @@ TEST_CASE(
     const auto frame = make_frame(vulkan.device(), scene, settings);
     (void)draw(*frame, scene);
     const BodyCounts counts = must(frame->read_bodies());
-    return counts.small + counts.rastered;
+    return counts.drawn;
   };
   CHECK(drawn({"away", {0, -20, 2}, {0, -40, 2}, 40, 4}) == 0);
   // A body of 0.5 m is 0.1 pixels wide at 1.2 km, and 0.01 pixels at 12 km.
@@ -228,9 +224,9 @@ TEST_CASE("bodies at the same place look the same in every picture") {
     scene.rig.fixtures.push_back(twin);
   }
   scene.compile();
-  for (const double small_px : {0.0, 128.0}) {
+  for (const TriangleMethod triangles : {TriangleMethod::kRasteriser, TriangleMethod::kCompute}) {
     FrameSettings settings = sized(160, 90);
-    settings.small_body_px = small_px;
+    settings.triangles = triangles;
     const RadianceImage first = draw_new(vulkan.device(), scene, settings);
     CHECK(pixels_shown(first) > 100);
     const auto frame = make_frame(vulkan.device(), scene, settings);
@@ -244,9 +240,6 @@ TEST_CASE("settings of bodies out of range are refused") {
   const Scene scene = dark_scene();
   const auto frame = make_frame(vulkan.device(), scene, sized(64, 36));
   FrameSettings settings = sized(64, 36);
-  settings.small_body_px = 129;
-  CHECK(!frame->change(settings));
-  settings = sized(64, 36);
   settings.body_error_px = -1;
   CHECK(!frame->change(settings));
 }

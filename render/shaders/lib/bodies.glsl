@@ -18,3 +18,16 @@ Placed place(HeadRow row, TypeRow type, HeadState state, uint depth) {
   at.z_axis = fixture_to_stage_direction(row, chain_to_fixture(type, state, depth, vec3(0.0, 0.0, 1.0), 0.0));
   return at;
 }
+
+// The most that a space stretches a length: the largest row sum of the products of its axes is no smaller than the
+// square of that, and equal where the axes are at right angles.
+float stretch(Placed at) {
+  float xy = abs(dot(at.x_axis, at.y_axis));
+  float xz = abs(dot(at.x_axis, at.z_axis));
+  float yz = abs(dot(at.y_axis, at.z_axis));
+  return sqrt(max(dot(at.x_axis, at.x_axis) + xy + xz,
+                  max(dot(at.y_axis, at.y_axis) + xy + yz, dot(at.z_axis, at.z_axis) + xz + yz)));
+}
+
+// That of the stage, in which objects are.
+Placed stage_space() { return Placed(-params.position.xyz, vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)); }

@@ -8,7 +8,7 @@ layout(constant_id = FL_SPEC_SHEEN) const bool kSheen = false;
 layout(set = 0, binding = FL_BINDING_SURFACE_ID, rg32ui) uniform readonly uimage2D surface_id;
 layout(set = 0, binding = FL_BINDING_DEPTH) uniform sampler2D depth_image;
 layout(set = 0, binding = FL_BINDING_BOXES, std430) readonly buffer BoxesBuffer { BoxRow boxes[]; };
-layout(set = 0, binding = FL_BINDING_SMALL_DEPTHS, std430) readonly buffer SmallDepthsBuffer { uint small_depths[]; };
+layout(set = 0, binding = FL_BINDING_PIXEL_DEPTHS, std430) readonly buffer SmallDepthsBuffer { uint pixel_depths[]; };
 #include "render/shaders/lib/normal.glsl"
 #include "render/shaders/lib/mirror.glsl"
 
@@ -38,11 +38,8 @@ Surface triangle_of(uvec2 id) {
                  sheen);
 }
 float triangle_depth(ivec2 pixel) {
-  float depth = texelFetch(depth_image, pixel, 0).x;
-  if (params.small_body_px > 0.0) {
-    depth = max(depth, uintBitsToFloat(small_depths[uint(pixel.y) * params.width + uint(pixel.x)]));
-  }
-  return depth;
+  if (params.computed_triangles == 0u) return texelFetch(depth_image, pixel, 0).x;
+  return uintBitsToFloat(pixel_depths[uint(pixel.y) * params.width + uint(pixel.x)]);
 }
 Surface triangle_at(ivec2 pixel) {
   if (!(triangle_depth(pixel) > 0.0)) return Surface(kNothing, 0u, vec3(0.0, 0.0, 1.0), kNothingM, 0u);

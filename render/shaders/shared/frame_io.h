@@ -55,8 +55,8 @@
 #define FL_BINDING_BODY_CHOICES (41 + FL_LAMP_COUNT)  // one word a body: FL_CHOICE_...
 #define FL_BINDING_BODY_DRAWN (42 + FL_LAMP_COUNT)    // heads, by mesh and level: the instances of the raster
 #define FL_BINDING_BODY_DRAWS (43 + FL_LAMP_COUNT)    // indirect draw commands, one a level
-#define FL_BINDING_SMALL_DEPTHS (44 + FL_LAMP_COUNT)  // one word a pixel: bits of the reversed depth
-#define FL_BINDING_SMALL_KEYS (45 + FL_LAMP_COUNT)    // one word a pixel: ~ the number of the triangle; 0: none
+#define FL_BINDING_PIXEL_DEPTHS (44 + FL_LAMP_COUNT)  // of triangles, one word a pixel: bits of the reversed depth
+#define FL_BINDING_PIXEL_KEYS (45 + FL_LAMP_COUNT)    // one word a pixel: ~ the number of the triangle; 0: none
 // Tables of gobos in haze (render/passes/gobos.h): GoboTableRow, one an image; those that a frame builds; the images
 // that hold them, as they are read and as they are written.
 #define FL_BINDING_GOBO_TABLES (46 + FL_LAMP_COUNT)
@@ -67,10 +67,10 @@
 #define FL_BINDING_GOBO_LINES_OUT (51 + FL_LAMP_COUNT)
 #define FL_BINDING_RIMS (52 + FL_LAMP_COUNT)  // RimRow, FrameParams::rims_max a supertile
 #define FL_BINDING_CUTS (53 + FL_LAMP_COUNT)  // CutRow, FrameParams::cuts_max a supertile
-// Smooth edges: trees over the triangles of bodies and objects (TreeRow), the slot of each head, the colours of pixels
-// with edges, and a bit a pixel that has one.
-#define FL_BINDING_BODY_TREES (54 + FL_LAMP_COUNT)
-#define FL_BINDING_HEAD_SLOTS (55 + FL_LAMP_COUNT)
+// Smooth edges: which surface each pixel shows at its middle (lib/edge_surfaces.glsl), the samples of pixels with edges
+// (lib/edge_samples.glsl), the colours of these pixels, and a bit a pixel that has one.
+#define FL_BINDING_EDGE_IDS (54 + FL_LAMP_COUNT)
+#define FL_BINDING_EDGE_SAMPLES (55 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGES (56 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGE_MASKS (57 + FL_LAMP_COUNT)
 #define FL_BINDING_RECHECKED (58 + FL_LAMP_COUNT)  // RecheckRow, one a cell (render/live_error.h)
@@ -152,7 +152,8 @@
 #define FL_BINDING_DISPLAY_TILES (111 + FL_LAMP_COUNT)
 #define FL_BINDING_DISPLAY_RECORDS (112 + FL_LAMP_COUNT)
 #define FL_BINDING_SHEENS (113 + FL_LAMP_COUNT)  // SheenRow; the first one is that of matt surfaces
-#define FL_BINDING_COUNT (114 + FL_LAMP_COUNT)
+#define FL_BINDING_DRAW_BLOCKS (114 + FL_LAMP_COUNT)  // DrawBlocksHead, then DrawBlockRow, FL_BLOCKS_MAX
+#define FL_BINDING_COUNT (115 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -189,7 +190,7 @@
 #define FL_SPEC_TEAM (29 + FL_LAMP_COUNT)
 #define FL_SPEC_VIEW (30 + FL_LAMP_COUNT)
 #define FL_SPEC_GROUP (31 + FL_LAMP_COUNT)  // threads of a workgroup of the surface pass
-#define FL_SPEC_SMALL_KEYS (32 + FL_LAMP_COUNT)  // the second pass over small bodies
+#define FL_SPEC_KEYS (32 + FL_LAMP_COUNT)  // the second pass over triangles
 #define FL_SPEC_GOBO_METHOD (33 + FL_LAMP_COUNT)
 #define FL_SPEC_EDGE_SAMPLES (34 + FL_LAMP_COUNT)
 #define FL_SPEC_EDGES (35 + FL_LAMP_COUNT)  // edges of solid things are smooth
@@ -328,7 +329,7 @@ struct FrameParams {
   float tile_error;  // error that the beams of a supertile may have together, over their light (tile_class.glsl)
   uint tile_beams;   // fewer live beams than that are computed pixel by pixel, without the passes of tiles
   float body_error_px;  // error that a level of a body may have in the picture
-  float small_body_px;  // bodies up to this diameter are drawn by compute shaders; 0: none
+  uint computed_triangles;  // 1: compute shaders draw bodies and objects; 0: the rasteriser does
   uint rims_max;  // rows of the RimRow table that a supertile has
   uint cuts_max;  // of the CutRow table
   uint object_level;  // row of the objects in the table of levels; FL_NONE: there are none
@@ -843,7 +844,8 @@ struct BodyLevelRow {
   uint index_count;
   uint vertex_first;
   float error_m;
-  uint trees[4];  // by the number of joints: the first node of the tree; FL_NONE: no triangle
+  uint triangle_first;  // of objects: the number of the first triangle, after those of bodies
+  uint pad;
 };
 struct TreeRow {  // as fixtures::TreeNode
   float low_x;
@@ -859,6 +861,8 @@ struct TreeRow {  // as fixtures::TreeNode
 // A pixel may have so many samples of what it shows; words of a tile's mask of pixels with edges.
 #define FL_EDGE_SAMPLES_MAX 16
 #define FL_EDGE_WORDS (FL_TILE_PX * FL_TILE_PX / 32)
+#define FL_GROUP_EDGES 128        // threads of a workgroup that has a tile
+#define FL_EDGE_PIXELS 1048576    // pixels with room for samples; a larger picture is drawn in parts
 struct BodyVertexRow {  // as fixtures::BodyVertex
   float x;
   float y;
@@ -874,19 +878,34 @@ struct BodySlotRow {
   uint head;
   uint mesh;
   uint triangle_first;
-  uint numbered;  // 0: its triangles have no number below 2^32 - 1, so it is never drawn as a small one
+  uint pad;
 };
-// What is drawn of a body: the index of its level, with FL_CHOICE_SMALL by compute shaders; or nothing.
-#define FL_CHOICE_SMALL 0x80000000u
-#define FL_CHOICE_WIDE 0x40000000u   // and it may have triangles that one thread should not draw alone
+// What is drawn of a body: the index of its level; or nothing.
+#define FL_CHOICE_WIDE 0x80000000u  // it may have triangles that one thread should not draw alone
 #define FL_CHOICE_NONE 0xffffffffu
-#define FL_CHOICE_LEVEL 0x3fffffffu
+#define FL_CHOICE_LEVEL 0x7fffffffu
 #define FL_BODY_LEVELS 8     // levels of a mesh at most
 #define FL_GROUP_LIST 256    // threads of a workgroup that lists the bodies of a mesh
-#define FL_GROUP_SMALL 64    // threads of a workgroup that draws a small body
-#define FL_SMALL_BODY_PX 128     // largest diameter of a small body: of larger ones there are few
+#define FL_GROUP_TRIANGLES 64  // threads of a workgroup that draws triangles
 #define FL_WIDE_BODY_PX 16       // a body with this diameter has FL_CHOICE_WIDE
 #define FL_SLOTS_X 32768     // workgroups side by side, one a body
+#define FL_ROUND_TRIANGLES 128  // triangles that a workgroup draws
+// Parts of large triangles, each drawn by a workgroup: the commands of an indirect dispatch, and how many parts have
+// been asked for. More than FL_BLOCKS_MAX are drawn by the workgroups that find them.
+#define FL_BLOCK_PX 128
+#define FL_BLOCKS_MAX 65535
+struct DrawBlocksHead {
+  uint groups_x;
+  uint groups_y;
+  uint groups_z;
+  uint asked;
+};
+struct DrawBlockRow {
+  uint slot;  // FL_NONE: of an object
+  uint triangle;
+  uint x;  // the block, from the picture's corner
+  uint y;
+};
 // A body with a diameter below this share of FrameParams::body_error_px is left out.
 #define FL_BODY_LEAST 0.125
 

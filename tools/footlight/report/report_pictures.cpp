@@ -220,12 +220,12 @@ std::string bodies_text(const PictureReport& report, double body_error_px) {
   const auto pass = std::find_if(report.whole_passes.begin(), report.whole_passes.end(),
                                  [](const render::PassTime& one) { return one.name == "bodies"; });
   return fmt::format(
-      "Bodies, {:.3f} ms, {:.1f} MB: {} of {} are drawn, {} of them by compute shaders, with {} of {} triangles; "
+      "Bodies, {:.3f} ms, {:.1f} MB: {} of {} are drawn, with {} of {} triangles; "
       "{} are left out. Their models are off by at most {:g} pixels. Objects of the scene: {} "
       "triangles.\n\n",
       pass != report.whole_passes.end() ? pass->gpu_ms : 0.0, static_cast<double>(report.body_bytes) * 1e-6,
-      bodies.small + bodies.rastered, bodies.bodies, bodies.small, bodies.small_triangles + bodies.raster_triangles,
-      bodies.triangles, bodies.bodies - bodies.small - bodies.rastered, body_error_px, bodies.object_triangles);
+      bodies.drawn, bodies.bodies, bodies.drawn_triangles, bodies.triangles, bodies.bodies - bodies.drawn,
+      body_error_px, bodies.object_triangles);
 }
 
 // What hides light in the whole frame.
@@ -450,11 +450,11 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
     options.print(edges_json(report));
     if (scene.compiled.needs.gobo) options.print(gates_json(report));
     const render::BodyCounts& bodies = report.bodies;
-    options.print(fmt::format(R"({{"event":"bodies","bodies":{},"small":{},"rastered":{},"triangles":{},)"
-                              R"("small_triangles":{},"raster_triangles":{},"object_triangles":{},"bytes":{}}})"
+    options.print(fmt::format(R"({{"event":"bodies","bodies":{},"drawn":{},"triangles":{},"drawn_triangles":{},)"
+                              R"("object_triangles":{},"bytes":{}}})"
                               "\n",
-                              bodies.bodies, bodies.small, bodies.rastered, bodies.triangles, bodies.small_triangles,
-                              bodies.raster_triangles, bodies.object_triangles, report.body_bytes));
+                              bodies.bodies, bodies.drawn, bodies.triangles, bodies.drawn_triangles,
+                              bodies.object_triangles, report.body_bytes));
     if (air) {
       fmt::print(R"({{"event":"air","haze_per_m":{:.9g},"fog_per_m":{:.9g},"error_per_m":{:.3g},"steps":{},)"
                  R"("ns_per_step":{:.1f}}})"

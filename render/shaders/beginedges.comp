@@ -1,0 +1,152 @@
+#version 460
+// Begins the samples of pixels with an edge (edges.comp): with the nearest box at each, or with nothing.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "render/shaders/lib/frame.glsl"
+#include "render/shaders/lib/surface.glsl"
+#include "render/shaders/lib/edge_surfaces.glsl"
+#include "render/shaders/lib/edge_samples.glsl"
+layout(local_size_x = FL_GROUP_EDGES) in;
+layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) readonly buffer EdgeMasksBuffer { uint edge_masks[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) readonly buffer EdgeIdsBuffer { uint edge_ids[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_SAMPLES, std430) writeonly buffer EdgeSamplesBuffer { uint edge_samples[]; };
+// The rows of the picture that are drawn: whole tiles.
+layout(push_constant) uniform RowsPush {
+  int first;
+  int end;
+} rows;
+
+#define FL_SIDE (FL_TILE_PX + 2)
+shared uint shown_id[FL_SIDE * FL_SIDE];  // what the pixels of the tile show, with one more on each side
+shared uint mask[FL_EDGE_WORDS];
+shared uint edge_pixels[FL_TILE_PX * FL_TILE_PX];  // those with an edge: y * FL_TILE_PX + x
+shared uint near_boxes[FL_GROUP_EDGES];            // of a round: those that the tile may show
+shared uint near_count;
+
+const float kHalfTile = 0.5 * float(FL_TILE_PX);
+
+// Each thread has so many samples of a pixel, in registers: loops over them are unrolled.
+#define FL_OWN 4
+const uint kThreadsPerPixel = kSamples / FL_OWN;
+ivec2 own_pixel;  // within the tile
+uint own_first;   // the number of its first sample
+float own_m[FL_OWN];  // depth along the camera's axis
+uint own_id[FL_OWN];
+
+void load_tile(ivec2 low) {
+  ivec2 size = ivec2(int(params.width), int(params.height));
+  for (uint i = gl_LocalInvocationIndex; i < FL_SIDE * FL_SIDE; i += FL_GROUP_EDGES) {
+    ivec2 pixel = low + ivec2(int(i % FL_SIDE), int(i / FL_SIDE)) - 1;
+    bool inside = all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, size));
+    shown_id[i] = inside ? edge_ids[uint(pixel.y) * params.width + uint(pixel.x)] : FL_NONE;
+  }
+  for (uint i = gl_LocalInvocationIndex; i < FL_TILE_PX * FL_TILE_PX; i += FL_GROUP_EDGES) {
+    uint number = 0u;  // of pixels with an edge before this one
+    for (uint w = 0u; w < i / 32u; ++w) number += uint(bitCount(mask[w]));
+    number += uint(bitCount(mask[i / 32u] & ((1u << (i % 32u)) - 1u)));
+    if ((mask[i / 32u] >> (i % 32u) & 1u) != 0u) edge_pixels[number] = i;
+  }
+}
+
+// Whether a ray of the tile's pixels may meet a box; never false where one does.
+bool may_show(ivec2 low, vec3 box_low, vec3 box_high) {
+  vec2 size = vec2(float(params.width), float(params.height));
+  vec2 middle = (vec2(low) + kHalfTile) * vec2(2.0, -2.0) / size + vec2(-1.0, 1.0);
+  vec2 half_tile = (kHalfTile + 0.01) * 2.0 / size;
+  vec3 across = params.right.xyz / dot(params.right.xyz, params.right.xyz);
+  vec3 up = params.up.xyz / dot(params.up.xyz, params.up.xyz);
+  vec3 ahead = params.forward.xyz;
+  vec3 from = 0.5 * (box_low + box_high) - params.position.xyz;
+  // What float may lose of a difference.
+  vec3 half_box = 0.5 * (box_high - box_low) * 1.00001 + 1e-6 * (abs(from) + abs(params.position.xyz));
+  float depth = dot(from, ahead);
+  float nearest = depth + dot(half_box, abs(ahead));  // the farthest corner, which is nearest to being in the picture
+  // In the space of rays through the tile's middle: x - middle times depth, which the tile bounds by its half size.
+  vec3 to_x = across - ahead * middle.x;
+  vec3 to_y = up - ahead * middle.y;
+  vec2 at = vec2(dot(from, to_x), dot(from, to_y));
+  vec2 reach = vec2(dot(half_box, abs(to_x)), dot(half_box, abs(to_y))) + half_tile * (nearest - depth);
+  return nearest > 0.0 && all(lessThanEqual(-half_tile * depth, at + reach)) &&
+         all(lessThanEqual(at - reach, half_tile * depth));
+}
+
+void sample_box(ivec2 low, uint b) {
+  [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {
+    vec3 ray = ray_through(vec2(low + own_pixel) + 0.5 + sample_offset(own_first + i));
+    vec3 inverse = 1.0 / mix(ray, vec3(1e-12), lessThan(abs(ray), vec3(1e-12)));
+    vec3 to_low = (boxes[b].low.xyz - params.position.xyz) * inverse;
+    vec3 to_high = (boxes[b].high.xyz - params.position.xyz) * inverse;
+    vec3 in_m = min(to_low, to_high);
+    vec3 out_m = max(to_low, to_high);
+    float enter_m = max(in_m.x, max(in_m.y, in_m.z));
+    float leave_m = min(out_m.x, min(out_m.y, out_m.z));
+    if (!(enter_m > 0.0 && enter_m <= leave_m && enter_m <= own_m[i])) continue;
+    vec3 face = in_m.x >= enter_m ? vec3(1, 0, 0) : in_m.y >= enter_m ? vec3(0, 1, 0) : vec3(0, 0, 1);
+    uint id = box_face_id(b, -sign(ray) * face);
+    own_id[i] = enter_m < own_m[i] ? id : min(own_id[i], id);
+    own_m[i] = enter_m;
+  }
+}
+
+void sample_boxes(ivec2 low) {
+  for (uint first = 0u; first < params.box_count; first += FL_GROUP_EDGES) {
+    barrier();  // those of the round before have been read
+    if (gl_LocalInvocationIndex == 0u) near_count = 0u;
+    barrier();
+    uint own = first + gl_LocalInvocationIndex;
+    // In any order: the nearest counts, and of two at the same depth the one with the lower name.
+    if (own < params.box_count && may_show(low, boxes[own].low.xyz, boxes[own].high.xyz)) {
+      near_boxes[atomicAdd(near_count, 1u)] = own;
+    }
+    barrier();
+    uint count = near_count;
+    for (uint i = 0u; i < count; ++i) sample_box(low, near_boxes[i]);
+  }
+}
+
+// Boxes are planes: any pixel that shows the same face does.
+uint best_pixel(uint i) {
+  vec2 place = sample_offset(own_first + i);
+  float least = kNoNeighbour;
+  uint best = 4u;
+  for (uint n = 0u; n < 9u; ++n) {
+    vec2 to = vec2(ivec2(n % 3u, n / 3u) - 1);
+    uint at = uint(own_pixel.y) * FL_SIDE + uint(own_pixel.x) + (n / 3u) * FL_SIDE + n % 3u;
+    float own = shown_id[at] == own_id[i] ? neighbour_misses(to - place, 0.0, 0.0) : kNoNeighbour;
+    best = own < least ? n : best;
+    least = min(least, own);
+  }
+  return best;
+}
+
+void main() {
+  uint tile = (uint(rows.first) / FL_TILE_PX + gl_WorkGroupID.y) * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  ivec2 low = ivec2(gl_WorkGroupID.xy) * FL_TILE_PX + ivec2(0, rows.first);
+  if (gl_LocalInvocationIndex < FL_EDGE_WORDS) {
+    mask[gl_LocalInvocationIndex] = edge_masks[tile * FL_EDGE_WORDS + gl_LocalInvocationIndex];
+  }
+  barrier();
+  uint count = 0u;
+  for (uint word = 0u; word < FL_EDGE_WORDS; ++word) count += uint(bitCount(mask[word]));
+  if (count == 0u) return;
+  load_tile(low);
+  barrier();
+  const uint kPixels = FL_GROUP_EDGES / kThreadsPerPixel;
+  for (uint first = 0u; first < count; first += kPixels) {
+    uint number = first + gl_LocalInvocationIndex / kThreadsPerPixel;
+    uint pixel = edge_pixels[min(number, count - 1u)];
+    own_pixel = ivec2(int(pixel % uint(FL_TILE_PX)), int(pixel / uint(FL_TILE_PX)));
+    own_first = gl_LocalInvocationIndex % kThreadsPerPixel * FL_OWN;
+    [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {
+      own_m[i] = FL_FAR_M;
+      own_id[i] = 0u;
+    }
+    if (kBoxes) sample_boxes(low);
+    if (number >= count) continue;
+    ivec2 at = low + own_pixel;
+    uint to = (uint(at.y - rows.first) * params.width + uint(at.x)) * kSamples + own_first;
+    [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {
+      edge_samples[to + i] = (own_id[i] != 0u ? sample_bits(min(params.right.w / own_m[i], 0.999)) : 0u) | best_pixel(i);
+    }
+  }
+}

@@ -1,0 +1,96 @@
+// Draws a triangle into the nearest depths of pixels, or into the numbers of the triangles that are there. A pixel
+// belongs to a triangle by the rules of Vulkan's rasteriser with 8 bits below the pixel. After triangles.glsl.
+layout(constant_id = FL_SPEC_KEYS) const bool kKeys = false;
+layout(set = 0, binding = FL_BINDING_PIXEL_DEPTHS, std430) buffer DepthsBuffer { uint depths[]; };
+layout(set = 0, binding = FL_BINDING_PIXEL_KEYS, std430) buffer KeysBuffer { uint keys[]; };
+
+// A point on an edge is within if the edge is at the top or on the left.
+bool holds_edge(ivec2 d) { return d.y < 0 || (d.y == 0 && d.x > 0); }
+
+void touch(uint pixel, float z, uint key) {
+  uint bits = floatBitsToUint(z);
+  if (kKeys) {
+    if (bits == depths[pixel]) atomicMax(keys[pixel], key);
+  } else if (bits > depths[pixel]) {
+    atomicMax(depths[pixel], bits);
+  }
+}
+
+// One thread draws it.
+void draw_pixels(Triangle it, uint key) {
+  int area = side(it.p0, it.p1 - it.p0, it.p2);
+  if (area == 0) return;
+  if (area < 0) {
+    ivec2 corner = it.p1;
+    it.p1 = it.p2;
+    it.p2 = corner;
+    it.z = it.z.xzy;
+    area = -area;
+  }
+  ivec2 d0 = it.p2 - it.p1;
+  ivec2 d1 = it.p0 - it.p2;
+  ivec2 d2 = it.p1 - it.p0;
+  ivec3 least = ivec3(holds_edge(d0) ? 0 : 1, holds_edge(d1) ? 0 : 1, holds_edge(d2) ? 0 : 1);
+  precise float to_1 = (it.z.y - it.z.x) / float(area);
+  precise float to_2 = (it.z.z - it.z.x) / float(area);
+  for (int y = it.low.y; y <= it.high.y; ++y) {
+    for (int x = it.low.x; x <= it.high.x; ++x) {
+      ivec2 p = (ivec2(x, y) << 8) + 128;
+      ivec3 e = ivec3(side(it.p1, d0, p), side(it.p2, d1, p), side(it.p0, d2, p));
+      if (any(lessThan(e, least))) continue;
+      precise float z = it.z.x + (float(e.y) * to_1 + float(e.z) * to_2);
+      touch(uint(y) * params.width + uint(x), z, key);
+    }
+  }
+}
+
+bool within(ivec2 side, bool edge) { return side.x > 0 || (side.x == 0 && (side.y != 0 || edge)); }
+
+// All threads of the workgroup draw it together.
+void draw_pixels_together(Triangle it, uint key) {
+  ivec2 area = wide_side(it.p0, it.p1 - it.p0, it.p2);
+  if (area == ivec2(0)) return;
+  if (area.x < 0) {
+    ivec2 corner = it.p1;
+    it.p1 = it.p2;
+    it.p2 = corner;
+    it.z = it.z.xzy;
+    area = wide_side(it.p0, it.p1 - it.p0, it.p2);
+  }
+  ivec2 d0 = it.p2 - it.p1;
+  ivec2 d1 = it.p0 - it.p2;
+  ivec2 d2 = it.p1 - it.p0;
+  precise float to_1 = (it.z.y - it.z.x) / wide_float(area);
+  precise float to_2 = (it.z.z - it.z.x) / wide_float(area);
+  int across = it.high.x - it.low.x + 1;
+  int count = across * (it.high.y - it.low.y + 1);
+  for (int i = int(gl_LocalInvocationIndex); i < count; i += FL_GROUP_TRIANGLES) {
+    ivec2 at = it.low + ivec2(i % across, i / across);
+    ivec2 p = (at << 8) + 128;
+    ivec2 e0 = wide_side(it.p1, d0, p);
+    ivec2 e1 = wide_side(it.p2, d1, p);
+    ivec2 e2 = wide_side(it.p0, d2, p);
+    if (!within(e0, holds_edge(d0)) || !within(e1, holds_edge(d1)) || !within(e2, holds_edge(d2))) continue;
+    precise float z = it.z.x + (wide_float(e1) * to_1 + wide_float(e2) * to_2);
+    touch(uint(at.y) * params.width + uint(at.x), z, key);
+  }
+}
+
+// The same for one that reaches behind the camera.
+void draw_open_together(Triangle it, uint key) {
+  Sides s = open_sides(it, it.low);
+  int across = it.high.x - it.low.x + 1;
+  int count = across * (it.high.y - it.low.y + 1);
+  for (int i = int(gl_LocalInvocationIndex); i < count; i += FL_GROUP_TRIANGLES) {
+    ivec2 at = ivec2(i % across, i / across);
+    precise vec3 e = s.at_origin + (float(at.x) * s.by_x + float(at.y) * s.by_y);
+    precise float z = dot(e, s.depth);
+    if (!(min(e.x, min(e.y, e.z)) >= 0.0 && z > 0.0 && z < 1.0)) continue;
+    touch(uint(it.low.y + at.y) * params.width + uint(it.low.x + at.x), z, key);
+  }
+}
+
+void draw_together(Triangle it, uint key) {
+  if (it.open) draw_open_together(it, key);
+  else draw_pixels_together(it, key);
+}

@@ -1,0 +1,172 @@
+// Triangles of bodies and objects in the picture, for compute shaders: where they are, which pixels they cover, and
+// what is drawn of them. FL_DRAWS_EDGES: the samples of pixels with an edge; else what pixels show at their middle.
+// After frame.glsl with FL_USE_POSE, and bodies.glsl.
+layout(set = 0, binding = FL_BINDING_BODY_VERTICES, std430) readonly buffer VerticesBuffer {
+  BodyVertexRow vertices[];
+};
+layout(set = 0, binding = FL_BINDING_BODY_INDICES, std430) readonly buffer IndicesBuffer { uint indices[]; };
+// The rows of the picture that are drawn.
+layout(push_constant) uniform RowsPush {
+  int first;
+  int end;
+} rows;
+
+const float kSubpixels = 256.0;
+const float kFarthestPx = 65536.0;  // from the picture's corner: farther places are not exact in float
+
+// Rows that take a point behind so many joints to (x times w, y times w, w); x and y in pixels from the picture's
+// middle.
+shared vec4 to_picture[4][3];
+
+void set_space(uint number, Placed at) {
+  vec3 across = params.right.xyz * (0.5 * float(params.width) / dot(params.right.xyz, params.right.xyz));
+  vec3 down = params.up.xyz * (-0.5 * float(params.height) / dot(params.up.xyz, params.up.xyz));
+  vec3 ahead = params.forward.xyz;
+  to_picture[number][0] =
+      vec4(dot(at.x_axis, across), dot(at.y_axis, across), dot(at.z_axis, across), dot(at.origin, across));
+  to_picture[number][1] =
+      vec4(dot(at.x_axis, down), dot(at.y_axis, down), dot(at.z_axis, down), dot(at.origin, down));
+  to_picture[number][2] =
+      vec4(dot(at.x_axis, ahead), dot(at.y_axis, ahead), dot(at.z_axis, ahead), dot(at.origin, ahead));
+}
+
+// A triangle in the picture: corners in 1/256 of a pixel; the pixels that it may cover; its depths at the corners,
+// which are linear in the picture. One that reaches behind the camera is `open`, and has no such corners.
+struct Triangle {
+  vec3 h0;  // x times w, y times w, w
+  vec3 h1;
+  vec3 h2;
+  ivec2 p0;
+  ivec2 p1;
+  ivec2 p2;
+  ivec2 low;
+  ivec2 high;
+  int extent;  // longest side of the box round it, in 1/256 of a pixel
+  bool open;
+  vec3 z;
+  uint part;  // of its first corner
+};
+
+// All that draw the same triangle must find the same numbers.
+precise vec3 homogeneous(BodyVertexRow v) {
+  uint joints = (v.part & FL_OBJECT) != 0u ? 0u : v.part & uint(FL_PART_DEPTH);
+  vec4 p = vec4(v.x, v.y, v.z, 1.0);
+  precise vec3 h = vec3(dot(to_picture[joints][0], p), dot(to_picture[joints][1], p), dot(to_picture[joints][2], p));
+  return h;
+}
+precise vec3 picture_of(vec3 h) {
+  precise float x = h.x / h.z + 0.5 * float(params.width);
+  precise float y = h.y / h.z + 0.5 * float(params.height);
+  return vec3(x, y, params.right.w / h.z);
+}
+
+// Whether all corners are on one side of the picture, or behind its near plane.
+bool is_outside(vec3 a, vec3 b, vec3 c) {
+  vec3 w = vec3(a.z, b.z, c.z);
+  vec3 x = vec3(a.x, b.x, c.x);
+  vec3 y = vec3(a.y, b.y, c.y);
+  vec2 half_px = 0.5 * vec2(float(params.width), float(params.height)) + 1.0;
+  return all(lessThanEqual(w, vec3(params.right.w))) || all(lessThan(x, -half_px.x * w)) ||
+         all(greaterThan(x, half_px.x * w)) || all(lessThan(y, -half_px.y * w)) || all(greaterThan(y, half_px.y * w));
+}
+
+Triangle triangle_of(BodyLevelRow level, uint t) {
+  uint first = level.index_first + 3u * t;
+  BodyVertexRow v0 = vertices[level.vertex_first + indices[first]];
+  Triangle it;
+  it.part = v0.part;
+  it.h0 = homogeneous(v0);
+  it.h1 = homogeneous(vertices[level.vertex_first + indices[first + 1u]]);
+  it.h2 = homogeneous(vertices[level.vertex_first + indices[first + 2u]]);
+  vec3 a = picture_of(it.h0);
+  vec3 b = picture_of(it.h1);
+  vec3 c = picture_of(it.h2);
+  it.p0 = ivec2(roundEven(a.xy * kSubpixels));
+  it.p1 = ivec2(roundEven(b.xy * kSubpixels));
+  it.p2 = ivec2(roundEven(c.xy * kSubpixels));
+  it.z = vec3(a.z, b.z, c.z);
+  ivec2 low = min(it.p0, min(it.p1, it.p2));
+  ivec2 high = max(it.p0, max(it.p1, it.p2));
+  it.extent = max(high.x - low.x, high.y - low.y);
+  vec2 most = max(abs(a.xy), max(abs(b.xy), abs(c.xy)));
+  it.open = !(min(it.h0.z, min(it.h1.z, it.h2.z)) > params.right.w && max(most.x, most.y) < kFarthestPx);
+#ifdef FL_DRAWS_EDGES
+  low = low >> 8;
+  high = high >> 8;
+#else
+  low = (low + 127) >> 8;
+  high = (high - 128) >> 8;
+#endif
+  ivec2 least = ivec2(0, rows.first);
+  ivec2 last = ivec2(int(params.width), rows.end) - 1;
+  it.low = it.open ? least : max(low, least);
+  it.high = it.open ? last : min(high, last);
+  if (it.open && is_outside(it.h0, it.h1, it.h2)) it.high = it.low - 1;
+  return it;
+}
+
+// Twice the area of (a, a + d, p), where it fits into 32 bits.
+int side(ivec2 a, ivec2 d, ivec2 p) { return d.x * (p.y - a.y) - d.y * (p.x - a.x); }
+// The same in 64 bits, high word first, for corners up to kFarthestPx.
+ivec2 wide_side(ivec2 a, ivec2 d, ivec2 p) {
+  int high_x, low_x, high_y, low_y;
+  imulExtended(d.x, p.y - a.y, high_x, low_x);
+  imulExtended(d.y, p.x - a.x, high_y, low_y);
+  uint borrow;
+  uint low = usubBorrow(uint(low_x), uint(low_y), borrow);
+  return ivec2(high_x - high_y - int(borrow), int(low));
+}
+float wide_float(ivec2 v) { return float(v.x) * 4294967296.0 + float(uint(v.y)); }
+
+// Three numbers that are linear in the picture, all 0 or more in the triangle, and whose weighted sum is the depth
+// there: at the middle of the pixel `origin`, and what they change by a pixel. NaN: it covers nothing.
+struct Sides {
+  ivec2 origin;
+  vec3 at_origin;
+  vec3 by_x;
+  vec3 by_y;
+  vec3 depth;
+};
+
+precise vec3 crossed(vec3 a, vec3 b) {
+  precise vec3 c = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+  return c;
+}
+
+// In homogeneous coordinates a triangle is three half spaces through the eye, so that none need be cut at the eye's
+// plane. Its corners are not those in 1/256 of a pixel of its neighbours, so it is widened by as much.
+Sides open_sides(Triangle it, ivec2 origin) {
+  vec2 from = vec2(origin) + 0.5 - 0.5 * vec2(float(params.width), float(params.height));
+  vec3 a = vec3(it.h0.xy - from * it.h0.z, it.h0.z);
+  vec3 b = vec3(it.h1.xy - from * it.h1.z, it.h1.z);
+  vec3 c = vec3(it.h2.xy - from * it.h2.z, it.h2.z);
+  vec3 a_out = crossed(b, c);
+  vec3 b_out = crossed(c, a);
+  vec3 c_out = crossed(a, b);
+  float volume = dot(a, a_out);
+  float turn = volume < 0.0 ? -1.0 : 1.0;
+  Sides s;
+  s.origin = origin;
+  s.by_x = turn * vec3(a_out.x, b_out.x, c_out.x);
+  s.by_y = turn * vec3(a_out.y, b_out.y, c_out.y);
+  s.at_origin = turn * vec3(a_out.z, b_out.z, c_out.z) + (abs(s.by_x) + abs(s.by_y)) / 256.0;
+  s.depth = vec3(params.right.w / abs(volume));
+  return s;
+}
+Sides sides_of(Triangle it, ivec2 origin) {
+  if (it.open) return open_sides(it, origin);
+  ivec2 p = (origin << 8) + 128;
+  ivec2 d0 = it.p2 - it.p1;
+  ivec2 d1 = it.p0 - it.p2;
+  ivec2 d2 = it.p1 - it.p0;
+  float area = wide_float(wide_side(it.p0, d2, it.p2));
+  float turn = area < 0.0 ? -1.0 : 1.0;
+  Sides s;
+  s.origin = origin;
+  s.at_origin = turn * vec3(wide_float(wide_side(it.p1, d0, p)), wide_float(wide_side(it.p2, d1, p)),
+                            wide_float(wide_side(it.p0, d2, p)));
+  s.by_x = (-turn * kSubpixels) * vec3(float(d0.y), float(d1.y), float(d2.y));
+  s.by_y = (turn * kSubpixels) * vec3(float(d0.x), float(d1.x), float(d2.x));
+  s.depth = it.z / abs(area);
+  return s;
+}
