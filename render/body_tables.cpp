@@ -197,6 +197,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   std::vector<BodyLevelRow> levels;
   std::vector<BodyBoxRow> boxes;
   std::vector<VkDrawIndexedIndirectCommand> draws;
+  std::uint64_t rounds = 0;  // workgroups that draw bodies, at most
   const auto add = [&](const fixtures::BodyMesh& mesh, std::uint32_t count, double error_m) {
     levels.push_back({static_cast<std::uint32_t>(indices.size()), static_cast<std::uint32_t>(mesh.indices.size()),
                       static_cast<std::uint32_t>(vertices.size()), static_cast<float>(error_m),
@@ -229,6 +230,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
     for (const std::uint32_t head : heads[t]) {
       slots.push_back({head, static_cast<std::uint32_t>(meshes.size()), static_cast<std::uint32_t>(r.body_triangles), 0});
       r.body_triangles += triangles;
+      rounds += (triangles + FL_ROUND_TRIANGLES - 1) / FL_ROUND_TRIANGLES;
     }
     meshes.push_back(mesh);
   }
@@ -257,6 +259,11 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   FL_ASSIGN(r.body_levels, vk::Buffer::table(device, levels));
   FL_ASSIGN(r.draws, vk::Buffer::table(device, draws, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
   FL_ASSIGN(r.choices, vk::Buffer::table(device, std::vector<std::uint32_t>(slots.size(), FL_CHOICE_NONE)));
+  FL_ASSIGN(r.body_spaces, vk::Buffer::table(device, std::vector<BodySpaceRow>(slots.size())));
+  FL_ASSIGN(r.body_rounds, vk::Buffer::device_local(device, sizeof(BodyRoundsHead) + rounds * sizeof(BodyRoundRow),
+                                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                                        VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                                                        VK_BUFFER_USAGE_TRANSFER_DST_BIT));
   FL_ASSIGN(r.drawn, vk::Buffer::table(device, std::vector<std::uint32_t>(slots.size(), 0)));
   return {};
 }

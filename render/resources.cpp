@@ -141,6 +141,8 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_BODY_VERTICES, &R::vertices},
     {FL_BINDING_BODY_INDICES, &R::indices},
     {FL_BINDING_BODY_CHOICES, &R::choices},
+    {FL_BINDING_BODY_SPACES, &R::body_spaces},
+    {FL_BINDING_BODY_ROUNDS, &R::body_rounds},
     {FL_BINDING_BODY_DRAWN, &R::drawn},
     {FL_BINDING_BODY_DRAWS, &R::draws},
     {FL_BINDING_TEXTURES, &R::textures},
@@ -288,7 +290,7 @@ std::uint64_t draw_block_bytes(const fixtures::Needs& needs, const FrameSettings
 }
 
 std::uint64_t edge_id_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
-  return has_smooth_edges(needs, settings) ? pixel_words(settings) : 4;
+  return has_smooth_edges(needs, settings) ? 2 * pixel_words(settings) : 8;
 }
 
 std::uint64_t edge_sample_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
@@ -802,7 +804,7 @@ std::uint64_t Resources::body_bytes() const {
   const vk::Buffer* const buffers[] = {
       &rig.slots,   &rig.meshes, &rig.body_boxes, &rig.body_levels,   &rig.vertices,
       &rig.indices, &rig.draws,  &rig.choices,    &rig.drawn, &picture.pixel_depths, &picture.pixel_keys,
-      &picture.draw_blocks, &rig.textures, &rig.texture_texels, &rig.object_uvs};
+      &picture.draw_blocks, &rig.body_spaces, &rig.body_rounds, &rig.textures, &rig.texture_texels, &rig.object_uvs};
   for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
   return bytes;
 }

@@ -88,6 +88,7 @@ struct RigTables {
   vk::Buffer bounce_solids, bounce_tree, bounce_patch_rows, bounce_grid, bounce_forms, bounce_flux, bounce_light;
   vk::Buffer haze;               // HazeField
   vk::Image haze_table;          // of haze that is not even; a texel where it is even
+  vk::Buffer body_spaces, body_rounds;  // BodySpaceRow; BodyRoundsHead, then BodyRoundRow
   vk::Buffer choices, drawn;     // one word a body: its level; heads that the rasteriser draws, by mesh and level
   vk::Buffer counts;             // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
 
@@ -176,7 +177,7 @@ struct PictureImages {
   vk::Buffer fine_masks;                // masks of FL_FINE_PX x FL_FINE_PX pixels; likewise
   vk::Buffer pixel_depths, pixel_keys;  // of triangles that compute shaders draw, one word a pixel; likewise
   vk::Buffer draw_blocks;               // DrawBlocksHead, then DrawBlockRow
-  vk::Buffer edge_ids;                  // which surface a pixel shows; likewise
+  vk::Buffer edge_ids;                  // EdgeIdRow, one a pixel; likewise
   vk::Buffer edge_samples;              // FrameSettings::edge_samples a pixel of edge_rows(); likewise
   vk::Buffer edge_masks;                // FL_EDGE_WORDS a tile; likewise
   vk::Image edges;                      // colours of pixels with edges; likewise

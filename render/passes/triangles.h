@@ -37,9 +37,6 @@ class DrawnTriangles {
     if (any || rig.slot_count > 0) {
       FL_ASSIGN(drawn.bodies_, BoundPipeline::compute(context, shaders.bodies, constants));
     }
-    for (const std::uint32_t triangles : rig.level_triangles) {
-      drawn.rounds_ = std::max(drawn.rounds_, groups_of(triangles, FL_ROUND_TRIANGLES));
-    }
     if (any || rig.object_draw_count > 0) {
       FL_ASSIGN(drawn.objects_, BoundPipeline::compute(context, shaders.objects, constants));
     }
@@ -56,13 +53,16 @@ class DrawnTriangles {
   void record(VkCommandBuffer commands, const Resources& resources, RowsPush rows) const {
     const RigTables& rig = resources.rig;
     if (bodies_.pipeline) {
-      const std::uint32_t x = std::min<std::uint32_t>(rig.slot_count, FL_SLOTS_X);
-      dispatch(commands, bodies_, rows, x, groups_of(rig.slot_count, x), rounds_);
+      bodies_.bind(commands);
+      push_rows(commands, bodies_, rows);
+      vkCmdDispatchIndirect(commands, rig.body_rounds.handle, 0);
     }
     if (objects_.pipeline) {
       const std::uint32_t groups = groups_of(static_cast<std::uint32_t>(rig.object_triangles), FL_ROUND_TRIANGLES);
       const std::uint32_t x = std::min<std::uint32_t>(groups, FL_SLOTS_X);
-      dispatch(commands, objects_, rows, x, groups_of(groups, x), 1);
+      objects_.bind(commands);
+      push_rows(commands, objects_, rows);
+      vkCmdDispatch(commands, x, groups_of(groups, x), 1);
     }
     vk::full_barrier(commands);
     blocks_.bind(commands);
@@ -71,15 +71,7 @@ class DrawnTriangles {
   }
 
  private:
-  static void dispatch(VkCommandBuffer commands, const BoundPipeline& bound, RowsPush rows, std::uint32_t x,
-                       std::uint32_t y, std::uint32_t z) {
-    bound.bind(commands);
-    push_rows(commands, bound, rows);
-    vkCmdDispatch(commands, x, y, z);
-  }
-
   BoundPipeline bodies_, objects_, blocks_;
-  std::uint32_t rounds_ = 1;  // workgroups for the triangles of a body
 };
 
 }  // namespace footlight::render

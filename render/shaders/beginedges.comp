@@ -8,7 +8,7 @@
 #include "render/shaders/lib/edge_samples.glsl"
 layout(local_size_x = FL_GROUP_EDGES) in;
 layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) readonly buffer EdgeMasksBuffer { uint edge_masks[]; };
-layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) readonly buffer EdgeIdsBuffer { uint edge_ids[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) readonly buffer EdgeIdsBuffer { EdgeIdRow edge_ids[]; };
 layout(set = 0, binding = FL_BINDING_EDGE_SAMPLES, std430) writeonly buffer EdgeSamplesBuffer { uint edge_samples[]; };
 // The rows of the picture that are drawn: whole tiles.
 layout(push_constant) uniform RowsPush {
@@ -38,7 +38,7 @@ void load_tile(ivec2 low) {
   for (uint i = gl_LocalInvocationIndex; i < FL_SIDE * FL_SIDE; i += FL_GROUP_EDGES) {
     ivec2 pixel = low + ivec2(int(i % FL_SIDE), int(i / FL_SIDE)) - 1;
     bool inside = all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, size));
-    shown_id[i] = inside ? edge_ids[uint(pixel.y) * params.width + uint(pixel.x)] : FL_NONE;
+    shown_id[i] = inside ? edge_ids[uint(pixel.y) * params.width + uint(pixel.x)].id : FL_NONE;
   }
   for (uint i = gl_LocalInvocationIndex; i < FL_TILE_PX * FL_TILE_PX; i += FL_GROUP_EDGES) {
     uint number = 0u;  // of pixels with an edge before this one

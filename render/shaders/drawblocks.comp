@@ -1,12 +1,14 @@
 #version 460
 // Draws the parts of large triangles, a workgroup for each block of pixels. FL_DRAWS_EDGES: as drawbodies.comp.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
 #define FL_USE_POSE
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/bodies.glsl"
 #include "render/shaders/lib/triangles.glsl"
+#include "render/shaders/lib/triangle_blocks.glsl"
 #ifdef FL_DRAWS_EDGES
 #include "render/shaders/lib/surface.glsl"
 #include "render/shaders/lib/edge_surfaces.glsl"
@@ -14,7 +16,6 @@
 #else
 #include "render/shaders/lib/triangle_pixels.glsl"
 #endif
-#include "render/shaders/lib/triangle_rounds.glsl"
 
 layout(local_size_x = FL_GROUP_TRIANGLES) in;
 layout(set = 0, binding = FL_BINDING_BODY_CHOICES, std430) readonly buffer ChoicesBuffer { uint choices[]; };
@@ -29,16 +30,8 @@ void main() {
     head = slots[row.slot].head;
     first_number = slots[row.slot].triangle_first;
   }
-  uint thread = gl_LocalInvocationIndex;
-  if (thread < 4u) {
-    Placed at = stage_space();
-    if (!is_object) {
-      HeadRow head_row = heads[head];
-      at = place(head_row, types[head_row.type], states[head], thread);
-    }
-    set_space(thread, at);
-  }
+  begin_space(row.slot);
   barrier();
   Triangle it = triangle_of(level, row.triangle);
-  draw_wide(in_block(it, ivec2(row.x, row.y)), name_of(first_number, row.triangle, it, head));
+  draw_block(it, first_number + row.triangle, ivec2(row.x, row.y), head);
 }

@@ -1,12 +1,14 @@
 #version 460
 // Draws the objects of the scene, a workgroup for each FL_ROUND_TRIANGLES triangles. FL_DRAWS_EDGES: as drawbodies.comp.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
 #define FL_USE_POSE
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/bodies.glsl"
 #include "render/shaders/lib/triangles.glsl"
+#include "render/shaders/lib/triangle_blocks.glsl"
 #ifdef FL_DRAWS_EDGES
 #include "render/shaders/lib/surface.glsl"
 #include "render/shaders/lib/edge_surfaces.glsl"
@@ -14,7 +16,6 @@
 #else
 #include "render/shaders/lib/triangle_pixels.glsl"
 #endif
-#include "render/shaders/lib/triangle_rounds.glsl"
 
 layout(local_size_x = FL_GROUP_TRIANGLES) in;
 
@@ -22,7 +23,7 @@ void main() {
   BodyLevelRow level = levels[params.object_level];
   uint base = (gl_WorkGroupID.y * FL_SLOTS_X + gl_WorkGroupID.x) * FL_ROUND_TRIANGLES;
   if (base >= level.index_count / 3u) return;
-  if (gl_LocalInvocationIndex == 0u) set_space(0u, stage_space());
+  begin_space(FL_NONE);
   barrier();
-  draw_rounds(level, FL_NONE, 0u, level.triangle_first, base, true);
+  draw_triangles(level, FL_NONE, 0u, level.triangle_first, base, true);
 }

@@ -10,13 +10,14 @@
 #include "render/shaders/lib/edge_surfaces.glsl"
 layout(local_size_x = FL_GROUP_EDGES) in;
 layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) writeonly buffer EdgeMasksBuffer { uint edge_masks[]; };
-layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) writeonly buffer EdgeIdsBuffer { uint edge_ids[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) writeonly buffer EdgeIdsBuffer { EdgeIdRow edge_ids[]; };
 
 // What the pixels of the tile show, with one more on each side.
 #define FL_SIDE (FL_TILE_PX + 2)
 shared uint shown_id[FL_SIDE * FL_SIDE];
 shared uint shown_normal[FL_SIDE * FL_SIDE];
 shared float shown_m[FL_SIDE * FL_SIDE];  // along the unit ray
+shared float shown_z[FL_SIDE * FL_SIDE];  // as a depth of the buffer: larger is nearer
 shared uint mask[FL_EDGE_WORDS];          // the pixels that may have an edge
 
 uint at_side(ivec2 p) { return uint((p.y + 1) * FL_SIDE + p.x + 1); }
@@ -26,10 +27,12 @@ void load_shown(ivec2 low) {
   for (uint i = gl_LocalInvocationIndex; i < FL_SIDE * FL_SIDE; i += FL_GROUP_EDGES) {
     // Beyond the picture is what its last pixel shows.
     ivec2 pixel = clamp(low + ivec2(int(i % FL_SIDE), int(i / FL_SIDE)) - 1, ivec2(0), size - 1);
-    Surface surface = surface_at(pixel, normalize(ray_through(vec2(pixel) + 0.5)));
+    vec3 ray = normalize(ray_through(vec2(pixel) + 0.5));
+    Surface surface = surface_at(pixel, ray);
     shown_id[i] = surface_name(surface);
     shown_normal[i] = pack_normal(surface.normal);
     shown_m[i] = surface.t_m;
+    shown_z[i] = surface.kind == kNothing ? 0.0 : params.right.w / (surface.t_m * dot(ray, params.forward.xyz));
   }
 }
 
@@ -85,6 +88,13 @@ bool may_have_edge(ivec2 p, ivec2 low) {
   return edge;
 }
 
+// The farthest depth that a pixel and its neighbours show at their middles, a little farther.
+float farthest(ivec2 p) {
+  float z = 1.0;
+  for (int n = 0; n < 9; ++n) z = min(z, shown_z[at_side(p + ivec2(n % 3, n / 3) - 1)]);
+  return 0.999 * z;
+}
+
 void main() {
   ivec2 low = ivec2(gl_WorkGroupID.xy) * FL_TILE_PX;
   ivec2 size = ivec2(int(params.width), int(params.height));
@@ -94,7 +104,7 @@ void main() {
   for (uint i = gl_LocalInvocationIndex; i < FL_TILE_PX * FL_TILE_PX; i += FL_GROUP_EDGES) {
     ivec2 p = ivec2(int(i % FL_TILE_PX), int(i / FL_TILE_PX));
     if (any(greaterThanEqual(low + p, size))) continue;
-    edge_ids[uint(low.y + p.y) * params.width + uint(low.x + p.x)] = shown_id[at_side(p)];
+    edge_ids[uint(low.y + p.y) * params.width + uint(low.x + p.x)] = EdgeIdRow(shown_id[at_side(p)], farthest(p));
     if (may_have_edge(p, low)) atomicOr(mask[i / 32u], 1u << (i % 32u));
   }
   barrier();

@@ -9,6 +9,30 @@
 
 layout(local_size_x = FL_GROUP_HEADS) in;
 layout(set = 0, binding = FL_BINDING_BODY_CHOICES, std430) writeonly buffer ChoicesBuffer { uint choices[]; };
+layout(set = 0, binding = FL_BINDING_BODY_SPACES, std430) writeonly buffer SpacesBuffer { BodySpaceRow spaces[]; };
+layout(set = 0, binding = FL_BINDING_BODY_ROUNDS, std430) buffer RoundsBuffer {
+  BodyRoundsHead rounds_head;
+  BodyRoundRow rounds[];
+};
+
+// The rows of pixels that a ball may cover.
+vec2 rows_of(vec3 centre, float radius_m, float z) {
+  if (!(z > 2.0 * radius_m)) return vec2(-1e9, 1e9);
+  float up = length(params.up.xyz);
+  float middle = dot(centre, params.up.xyz) / (up * up * z);  // -1 to 1 in the picture
+  float reach = radius_m * (1.0 + abs(middle) * up) / (up * (z - radius_m));
+  float at_px = (0.5 - 0.5 * middle) * float(params.height);
+  float reach_px = 0.5 * reach * float(params.height) + 2.0;
+  return vec2(at_px - reach_px, at_px + reach_px);
+}
+
+// Asks for the workgroups that draw it.
+void add_rounds(uint slot, uint triangles) {
+  uint count = (triangles + FL_ROUND_TRIANGLES - 1u) / FL_ROUND_TRIANGLES;
+  uint first = atomicAdd(rounds_head.count, count);
+  atomicMax(rounds_head.groups_y, (first + count + FL_ROUNDS_X - 1u) / FL_ROUNDS_X);
+  for (uint i = 0u; i < count; ++i) rounds[first + i] = BodyRoundRow(slot, i * FL_ROUND_TRIANGLES);
+}
 
 void main() {
   uint slot = gl_GlobalInvocationID.x;
@@ -26,10 +50,13 @@ void main() {
   bool visible = false;
   float px_per_m = 0.0;     // of the mesh, at most, where it is visible
   float diameter_px = 0.0;  // at most, of the largest part, visible or not
+  vec2 rows = vec2(1e9, -1e9);
   for (uint depth = 0u; depth < 4u; ++depth) {
     vec4 sphere = mesh.sphere[depth];
     if (sphere.w < 0.0) continue;
     Placed at = place(row, type, state, depth);
+    mat3x4 space = space_of(at);
+    for (uint i = 0u; i < 3u; ++i) spaces[slot].to_picture[3u * depth + i] = space[i];
     vec3 centre = at.origin + at.x_axis * sphere.x + at.y_axis * sphere.y + at.z_axis * sphere.z;
     float scale = stretch(at);
     float away_m = length(centre);
@@ -45,6 +72,8 @@ void main() {
     float nearest_m = z - radius_m;
     float here = nearest_m > 2.0 * near_m ? focal_px * (away_m + radius_m) / (nearest_m * nearest_m) : 1e30;
     diameter_px = max(diameter_px, min(2.0 * radius_m * here, 1e30));
+    vec2 own_rows = rows_of(centre, radius_m, z);
+    rows = vec2(min(rows.x, own_rows.x), max(rows.y, own_rows.y));
     if (seen) px_per_m = max(px_per_m, min(here * scale, 1e30));
     visible = visible || seen;
   }
@@ -58,4 +87,7 @@ void main() {
     if (!(diameter_px < float(FL_WIDE_BODY_PX))) choice |= FL_CHOICE_WIDE;
   }
   choices[slot] = choice;
+  spaces[slot].first_px = rows.x;
+  spaces[slot].last_px = rows.y;
+  if (choice != FL_CHOICE_NONE) add_rounds(slot, levels[choice & FL_CHOICE_LEVEL].index_count / 3u);
 }

@@ -31,3 +31,13 @@ float stretch(Placed at) {
 
 // That of the stage, in which objects are.
 Placed stage_space() { return Placed(-params.position.xyz, vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)); }
+
+// Rows that take a place in it to (x times w, y times w, w); x and y in pixels from the picture's middle.
+mat3x4 space_of(Placed at) {
+  vec3 across = params.right.xyz * (0.5 * float(params.width) / dot(params.right.xyz, params.right.xyz));
+  vec3 down = params.up.xyz * (-0.5 * float(params.height) / dot(params.up.xyz, params.up.xyz));
+  vec3 ahead = params.forward.xyz;
+  return mat3x4(vec4(dot(at.x_axis, across), dot(at.y_axis, across), dot(at.z_axis, across), dot(at.origin, across)),
+                vec4(dot(at.x_axis, down), dot(at.y_axis, down), dot(at.z_axis, down), dot(at.origin, down)),
+                vec4(dot(at.x_axis, ahead), dot(at.y_axis, ahead), dot(at.z_axis, ahead), dot(at.origin, ahead)));
+}

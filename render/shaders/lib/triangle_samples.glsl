@@ -2,7 +2,7 @@
 // of the pixel and its neighbours shows that surface best. After triangles.glsl and surface.glsl.
 #include "render/shaders/lib/edge_samples.glsl"
 layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) readonly buffer EdgeMasksBuffer { uint edge_masks[]; };
-layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) readonly buffer EdgeIdsBuffer { uint edge_ids[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) readonly buffer EdgeIdsBuffer { EdgeIdRow edge_ids[]; };
 layout(set = 0, binding = FL_BINDING_EDGE_SAMPLES, std430) buffer EdgeSamplesBuffer { uint edge_samples[]; };
 
 bool has_edge(ivec2 at) {
@@ -11,39 +11,6 @@ bool has_edge(ivec2 at) {
   uvec2 in_tile = uvec2(at) % uint(FL_TILE_PX);
   uint bit = in_tile.y * uint(FL_TILE_PX) + in_tile.x;
   return (edge_masks[(tile.y * tiles_x + tile.x) * FL_EDGE_WORDS + bit / 32u] >> (bit % 32u) & 1u) != 0u;
-}
-
-// The pixels of the nine that show a surface: a bit each.
-uint pixels_with(ivec2 at, uint id) {
-  uint with = 0u;
-  ivec2 size = ivec2(int(params.width), int(params.height));
-  for (int n = 0; n < 9; ++n) {
-    ivec2 there = at + ivec2(n % 3, n / 3) - 1;
-    bool inside = all(greaterThanEqual(there, ivec2(0))) && all(lessThan(there, size));
-    if (inside && edge_ids[uint(there.y) * params.width + uint(there.x)] == id) with |= 1u << n;
-  }
-  return with;
-}
-
-// Which of the pixels `with` shows best what a sample shows at `place`, in pixels from the middle of `at`: one near to
-// it, the plane of which goes through it, and is turned as the triangle is. Where none does, the pixel itself.
-uint best_pixel(ivec2 at, uint with, vec2 place, float depth_m, vec3 normal) {
-  vec3 ray = ray_through(vec2(at) + 0.5 + place);
-  vec3 here = ray * depth_m;
-  float per_pixel = 1.0 / (2.0 / float(params.height) * length(params.up.xyz) * depth_m);
-  float least = kNoNeighbour;
-  uint best = 4u;
-  for (; with != 0u; with &= with - 1u) {
-    int n = findLSB(with);
-    ivec2 to = ivec2(n % 3, n / 3) - 1;
-    Surface there = triangle_at(at + to);
-    vec3 at_there = ray_through(vec2(at + to) + 0.5) * (params.right.w / triangle_depth(at + to));
-    float off = abs(dot(there.normal, here - at_there)) * per_pixel;
-    float own = neighbour_misses(vec2(to) - place, off, 2.0 * (1.0 - dot(there.normal, normal)));
-    best = own < least ? uint(n) : best;
-    least = min(least, own);
-  }
-  return best;
 }
 
 // Towards the camera.
@@ -58,31 +25,238 @@ vec3 face_normal(Triangle it) {
   return face * inversesqrt(max(dot(face, face), 1e-30));
 }
 
-// The pixels `begin`, `begin` + `stride` and so on of those that it may cover.
-void draw_samples(Triangle it, uint id, int begin, int stride) {
-  Sides s = sides_of(it, it.low);
-  vec3 reach = 0.5 * (abs(s.by_x) + abs(s.by_y));
-  vec3 normal = face_normal(it);
-  int across = it.high.x - it.low.x + 1;
-  int count = across * (it.high.y - it.low.y + 1);
-  for (int i = begin; i < count; i += stride) {
-    ivec2 from = ivec2(i % across, i / across);
-    ivec2 at = it.low + from;
-    if (!has_edge(at)) continue;
-    vec3 e = s.at_origin + (float(from.x) * s.by_x + float(from.y) * s.by_y);
-    vec3 most = e + reach;
-    if (!(min(most.x, min(most.y, most.z)) >= 0.0)) continue;
-    uint first = (uint(at.y - rows.first) * params.width + uint(at.x)) * kSamples;
-    uint with = FL_NONE;
-    for (uint n = 0u; n < kSamples; ++n) {
-      vec2 place = sample_offset(n);
-      vec3 inside = e + place.x * s.by_x + place.y * s.by_y;
-      float z = dot(inside, s.depth);
-      if (!(min(inside.x, min(inside.y, inside.z)) >= 0.0 && z > 0.0 && z < 1.0)) continue;
-      uint nearest = sample_bits(z);
-      if (nearest < (edge_samples[first + n] & ~15u)) continue;
-      if (with == FL_NONE) with = pixels_with(at, id);
-      atomicMax(edge_samples[first + n], nearest | best_pixel(at, with, place, params.right.w / z, normal));
+// The triangles of the workgroup, one a thread.
+struct DrawnTriangle {
+  Sides sides;
+  ivec2 p0;
+  ivec2 p1;
+  ivec2 p2;
+  bool open;
+  float nearest_z;
+  ivec2 low;
+  ivec2 high;
+  uint id;  // of its surface
+  uint normal;
+};
+shared DrawnTriangle drawn[FL_GROUP_TRIANGLES];
+
+void begin_drawn(uint number, Triangle it, uint head) {
+  DrawnTriangle d;
+  // Of an open one from the corner of its block, so that it has the same numbers whichever rows are drawn.
+  d.sides = sides_of(it, it.open ? it.low / FL_BLOCK_PX * FL_BLOCK_PX : it.low);
+  d.p0 = it.p0;
+  d.p1 = it.p1;
+  d.p2 = it.p2;
+  d.open = it.open;
+  d.nearest_z = it.open ? 1.0 : max(it.z.x, max(it.z.y, it.z.z));
+  d.low = it.low;
+  d.high = it.high;
+  d.id = (it.part & FL_OBJECT) != 0u ? object_identity(it.part) : 1u + (head << 3 | it.part & 7u);
+  d.normal = pack_normal(face_normal(it));
+  drawn[number] = d;
+}
+
+// Pairs of a triangle and a pixel with an edge of which it covers samples: they are gathered and then drawn with all threads
+// busy, since few of the pixels that a triangle covers have edges.
+#define FL_PAIRS FL_GROUP_TRIANGLES
+shared uvec2 pairs[FL_PAIRS];  // samples << 16 | number of the triangle; y << 16 | x
+shared vec3 pair_sides[FL_PAIRS];   // as Sides, at the pixel's middle
+shared uint pair_count;        // of those that have been found: more than FL_PAIRS have no room
+
+// A pixel of the nine round a pair's, as the plane that it shows. How far the plane is off a sample, in pixels, is
+// |a + (bx, by) . place - c depth|; place: from the pixel's middle, in pixels.
+struct NearPlane {
+  float a;
+  float bx;
+  float by;
+  float c;
+  float turned;
+};
+shared NearPlane near_planes[9 * FL_PAIRS];
+shared uint near_pixels[FL_PAIRS];  // those that show the triangle's surface: a bit each
+
+void find_planes(uint pair) {
+  uint number = pairs[pair].x & 0xffffu;
+  ivec2 pixel = ivec2(int(pairs[pair].y & 0xffffu), int(pairs[pair].y >> 16));
+  ivec2 last = ivec2(int(params.width), int(params.height)) - 1;
+  vec3 face = unpack_normal(drawn[number].normal);
+  float per_pixel = 0.5 * float(params.height) / length(params.up.xyz);
+  vec3 ray = ray_through(vec2(pixel) + 0.5) * per_pixel;
+  vec3 right = params.right.xyz * (per_pixel * 2.0 / float(params.width));
+  vec3 down = params.up.xyz * (per_pixel * -2.0 / float(params.height));
+  uint near = 0u;
+  for (uint n = 0u; n < 9u; ++n) {
+    ivec2 to = ivec2(int(n % 3u), int(n / 3u)) - 1;
+    ivec2 there = clamp(pixel + to, ivec2(0), last);
+    // All are read before it is known which are needed: waiting once is quicker.
+    uint id = edge_ids[uint(there.y) * params.width + uint(there.x)].id;
+    float depth = triangle_depth(there);
+    vec3 normal = triangle_of(imageLoad(surface_id, there).xy).normal;
+    if (there != pixel + to || id != drawn[number].id) continue;
+    near |= 1u << n;
+    // Through the neighbour's middle, at its depth; depths of the buffer are those of the near plane over true ones.
+    near_planes[9u * pair + n] =
+        NearPlane(dot(normal, ray), dot(normal, right), dot(normal, down),
+                  dot(normal, ray + float(to.x) * right + float(to.y) * down) / depth, 2.0 * (1.0 - dot(normal, face)));
+  }
+  near_pixels[pair] = near;
+}
+
+// Draws four samples of a pair. Each takes the pixel that shows best what it shows: one near to it, the plane of which
+// goes through it and is turned as the triangle is. Where none does, the pixel itself.
+#define FL_OWN 4
+void draw_samples(uint pair, uint first) {
+  uint hits = pairs[pair].x >> (16u + first) & 15u;
+  if (hits == 0u) return;
+  Sides s = drawn[pairs[pair].x & 0xffffu].sides;
+  ivec2 at = ivec2(int(pairs[pair].y & 0xffffu), int(pairs[pair].y >> 16));
+  vec2 place[FL_OWN];
+  float z[FL_OWN];
+  float least[FL_OWN];
+  uint best[FL_OWN];
+  [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {
+    place[i] = sample_offset(first + i);
+    z[i] = dot(pair_sides[pair] + place[i].x * s.by_x + place[i].y * s.by_y, s.depth);
+    least[i] = kNoNeighbour;
+    best[i] = 4u;
+  }
+  for (uint near = near_pixels[pair]; near != 0u; near &= near - 1u) {
+    uint n = uint(findLSB(near));
+    NearPlane plane = near_planes[9u * pair + n];
+    vec2 to = vec2(float(n % 3u), float(n / 3u)) - 1.0;
+    [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {
+      float off = abs(plane.a + plane.bx * place[i].x + plane.by * place[i].y - plane.c * z[i]);
+      float own = neighbour_misses(to - place[i], off, plane.turned);
+      best[i] = own < least[i] ? n : best[i];
+      least[i] = min(least[i], own);
     }
+  }
+  uint to = (uint(at.y - rows.first) * params.width + uint(at.x)) * kSamples + first;
+  [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {
+    if ((hits >> i & 1u) != 0u && z[i] > 0.0 && z[i] < 1.0) atomicMax(edge_samples[to + i], sample_bits(z[i]) | best[i]);
+  }
+}
+
+// With all threads. The pairs are then gone.
+void draw_pairs() {
+  barrier();
+  uint count = min(pair_count, uint(FL_PAIRS));
+  if (gl_LocalInvocationIndex < count) find_planes(gl_LocalInvocationIndex);
+  barrier();
+  if (gl_LocalInvocationIndex == 0u) pair_count = 0u;
+  const uint kParts = kSamples / FL_OWN;
+  for (uint i = gl_LocalInvocationIndex; i < kParts * count; i += FL_GROUP_TRIANGLES) {
+    draw_samples(i / kParts, i % kParts * FL_OWN);
+  }
+  barrier();
+}
+
+// The samples of a pixel that a triangle covers: a bit each. sides: its sides at the pixel's middle.
+uint covered_samples(Sides s, vec3 sides) {
+  uint covered = 0u;
+  for (uint n = 0u; n < kSamples; ++n) {
+    vec2 place = sample_offset(n);
+    vec3 inside = sides + place.x * s.by_x + place.y * s.by_y;
+    covered |= min(inside.x, min(inside.y, inside.z)) >= 0.0 ? 1u << n : 0u;
+  }
+  return covered;
+}
+
+// With all threads: the pixels `begin`, `begin` + `stride` and so on, of a thread's own triangle; none where `begin` is
+// below 0. The last pairs are left undrawn.
+void gather_pairs(uint number, int begin, int stride) {
+  ivec2 low = drawn[number].low;
+  ivec2 size = drawn[number].high - low + 1;
+  Sides s = drawn[number].sides;
+  vec3 reach = 0.51 * (abs(s.by_x) + abs(s.by_y));
+  int count = begin < 0 ? 0 : size.x * size.y;
+  int i = begin;
+  for (;;) {
+    for (; i < count; i += stride) {
+      ivec2 at = low + ivec2(i % size.x, i / size.x);
+      if (!has_edge(at)) continue;
+      if (drawn[number].nearest_z < edge_ids[uint(at.y) * params.width + uint(at.x)].farthest_z) continue;
+      vec2 way = vec2(at - s.origin);
+      vec3 sides = s.at_origin + way.x * s.by_x + way.y * s.by_y;
+      vec3 most = sides + reach;
+      if (!(min(most.x, min(most.y, most.z)) >= 0.0)) continue;
+      if (!drawn[number].open) sides = sides_at(drawn[number].p0, drawn[number].p1, drawn[number].p2, s.turn, at);
+      uint covered = covered_samples(s, sides);
+      if (covered == 0u) continue;
+      uint to = atomicAdd(pair_count, 1u);
+      if (to >= FL_PAIRS) break;
+      pairs[to] = uvec2(covered << 16 | number, uint(at.y) << 16 | uint(at.x));
+      pair_sides[to] = sides;
+    }
+    barrier();
+    uint found = pair_count;
+    barrier();  // all have read it
+    if (found > FL_PAIRS / 2u) draw_pairs();
+    if (found <= FL_PAIRS) break;
+  }
+}
+
+void begin_pairs() {
+  if (gl_LocalInvocationIndex == 0u) pair_count = 0u;
+  barrier();
+}
+
+// As triangle_pixels.glsl.
+void draw_block(Triangle it, uint number, ivec2 block, uint head) {
+  begin_pairs();
+  if (gl_LocalInvocationIndex == 0u) begin_drawn(0u, in_block(it, block), head);
+  barrier();
+  gather_pairs(0u, int(gl_LocalInvocationIndex), FL_GROUP_TRIANGLES);
+  draw_pairs();
+}
+
+shared uint wide[FL_GROUP_TRIANGLES];  // the triangles of a round that all threads look at together
+shared uint wide_count;
+shared ivec4 wide_blocks;  // from which block to which; of one that fits into none, its last is below its first
+
+void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number, uint base, bool has_wide) {
+  uint triangles = min(level.index_count / 3u, base + uint(FL_ROUND_TRIANGLES));
+  begin_pairs();
+  for (; base < triangles; base += FL_GROUP_TRIANGLES) {
+    if (gl_LocalInvocationIndex == 0u) wide_count = 0u;
+    barrier();
+    uint own = gl_LocalInvocationIndex;
+    int begin = -1;
+    bool by_blocks = false;
+    Triangle it;
+    if (base + own < triangles) {
+      it = triangle_of(level, base + own);
+      if (is_drawn(it)) {
+        if (is_drawn_alone(it)) begin = 0;
+        else if (!is_drawn_together(it)) by_blocks = !leave_blocks(it, slot, base + own);
+        if (begin < 0 && (by_blocks || is_drawn_together(it))) wide[atomicAdd(wide_count, 1u)] = own;
+        begin_drawn(own, it, head);
+      }
+    }
+    barrier();
+    gather_pairs(own, begin, 1);
+    uint count = wide_count;
+    for (uint i = 0u; i < count; ++i) {
+      if (own == wide[i]) {
+        wide_blocks = by_blocks ? ivec4(it.low / FL_BLOCK_PX, it.high / FL_BLOCK_PX) : ivec4(0, 0, -1, -1);
+      }
+      barrier();
+      ivec4 ends = wide_blocks;
+      if (ends.z < 0) {
+        gather_pairs(wide[i], int(own), FL_GROUP_TRIANGLES);
+        continue;
+      }
+      // Block by block, as drawblocks.comp does: then its depths are the same.
+      draw_pairs();
+      for (ivec2 block = ends.xy; block.y <= ends.w; ++block.y) {
+        for (block.x = ends.x; block.x <= ends.z; ++block.x) {
+          if (own == wide[i]) begin_drawn(own, in_block(it, block), head);
+          barrier();
+          gather_pairs(wide[i], int(own), FL_GROUP_TRIANGLES);
+          draw_pairs();
+        }
+      }
+    }
+    draw_pairs();
   }
 }

@@ -1,6 +1,6 @@
 // Triangles of bodies and objects in the picture, for compute shaders: where they are, which pixels they cover, and
 // what is drawn of them. FL_DRAWS_EDGES: the samples of pixels with an edge; else what pixels show at their middle.
-// After frame.glsl with FL_USE_POSE, and bodies.glsl.
+// After bodies.glsl.
 layout(set = 0, binding = FL_BINDING_BODY_VERTICES, std430) readonly buffer VerticesBuffer {
   BodyVertexRow vertices[];
 };
@@ -14,20 +14,19 @@ layout(push_constant) uniform RowsPush {
 const float kSubpixels = 256.0;
 const float kFarthestPx = 65536.0;  // from the picture's corner: farther places are not exact in float
 
-// Rows that take a point behind so many joints to (x times w, y times w, w); x and y in pixels from the picture's
-// middle.
-shared vec4 to_picture[4][3];
+// As BodySpaceRow: of the body whose triangles the workgroup draws; of objects the first three.
+shared vec4 to_picture[12];
+layout(set = 0, binding = FL_BINDING_BODY_SPACES, std430) readonly buffer SpacesBuffer { BodySpaceRow spaces[]; };
 
-void set_space(uint number, Placed at) {
-  vec3 across = params.right.xyz * (0.5 * float(params.width) / dot(params.right.xyz, params.right.xyz));
-  vec3 down = params.up.xyz * (-0.5 * float(params.height) / dot(params.up.xyz, params.up.xyz));
-  vec3 ahead = params.forward.xyz;
-  to_picture[number][0] =
-      vec4(dot(at.x_axis, across), dot(at.y_axis, across), dot(at.z_axis, across), dot(at.origin, across));
-  to_picture[number][1] =
-      vec4(dot(at.x_axis, down), dot(at.y_axis, down), dot(at.z_axis, down), dot(at.origin, down));
-  to_picture[number][2] =
-      vec4(dot(at.x_axis, ahead), dot(at.y_axis, ahead), dot(at.z_axis, ahead), dot(at.origin, ahead));
+// With all threads, and a barrier after it. slot: FL_NONE for objects.
+void begin_space(uint slot) {
+  uint i = gl_LocalInvocationIndex;
+  if (slot == FL_NONE) {
+    mat3x4 space = space_of(stage_space());
+    if (i < 3u) to_picture[i] = space[i];
+  } else if (i < 12u) {
+    to_picture[i] = spaces[slot].to_picture[i];
+  }
 }
 
 // A triangle in the picture: corners in 1/256 of a pixel; the pixels that it may cover; its depths at the corners,
@@ -49,9 +48,9 @@ struct Triangle {
 
 // All that draw the same triangle must find the same numbers.
 precise vec3 homogeneous(BodyVertexRow v) {
-  uint joints = (v.part & FL_OBJECT) != 0u ? 0u : v.part & uint(FL_PART_DEPTH);
+  uint first = (v.part & FL_OBJECT) != 0u ? 0u : 3u * (v.part & uint(FL_PART_DEPTH));
   vec4 p = vec4(v.x, v.y, v.z, 1.0);
-  precise vec3 h = vec3(dot(to_picture[joints][0], p), dot(to_picture[joints][1], p), dot(to_picture[joints][2], p));
+  precise vec3 h = vec3(dot(to_picture[first], p), dot(to_picture[first + 1u], p), dot(to_picture[first + 2u], p));
   return h;
 }
 precise vec3 picture_of(vec3 h) {
@@ -122,6 +121,7 @@ float wide_float(ivec2 v) { return float(v.x) * 4294967296.0 + float(uint(v.y));
 // there: at the middle of the pixel `origin`, and what they change by a pixel. NaN: it covers nothing.
 struct Sides {
   ivec2 origin;
+  float turn;  // -1: the corners turn the other way
   vec3 at_origin;
   vec3 by_x;
   vec3 by_y;
@@ -147,15 +147,21 @@ Sides open_sides(Triangle it, ivec2 origin) {
   float turn = volume < 0.0 ? -1.0 : 1.0;
   Sides s;
   s.origin = origin;
+  s.turn = turn;
   s.by_x = turn * vec3(a_out.x, b_out.x, c_out.x);
   s.by_y = turn * vec3(a_out.y, b_out.y, c_out.y);
   s.at_origin = turn * vec3(a_out.z, b_out.z, c_out.z) + (abs(s.by_x) + abs(s.by_y)) / 256.0;
   s.depth = vec3(params.right.w / abs(volume));
   return s;
 }
+// The same at the middle of a pixel, from the corners.
+vec3 sides_at(ivec2 p0, ivec2 p1, ivec2 p2, float turn, ivec2 pixel) {
+  ivec2 p = (pixel << 8) + 128;
+  return turn * vec3(wide_float(wide_side(p1, p2 - p1, p)), wide_float(wide_side(p2, p0 - p2, p)),
+                     wide_float(wide_side(p0, p1 - p0, p)));
+}
 Sides sides_of(Triangle it, ivec2 origin) {
   if (it.open) return open_sides(it, origin);
-  ivec2 p = (origin << 8) + 128;
   ivec2 d0 = it.p2 - it.p1;
   ivec2 d1 = it.p0 - it.p2;
   ivec2 d2 = it.p1 - it.p0;
@@ -163,8 +169,8 @@ Sides sides_of(Triangle it, ivec2 origin) {
   float turn = area < 0.0 ? -1.0 : 1.0;
   Sides s;
   s.origin = origin;
-  s.at_origin = turn * vec3(wide_float(wide_side(it.p1, d0, p)), wide_float(wide_side(it.p2, d1, p)),
-                            wide_float(wide_side(it.p0, d2, p)));
+  s.turn = turn;
+  s.at_origin = sides_at(it.p0, it.p1, it.p2, turn, origin);
   s.by_x = (-turn * kSubpixels) * vec3(float(d0.y), float(d1.y), float(d2.y));
   s.by_y = (turn * kSubpixels) * vec3(float(d0.x), float(d1.x), float(d2.x));
   s.depth = it.z / abs(area);

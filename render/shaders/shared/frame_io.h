@@ -67,7 +67,7 @@
 #define FL_BINDING_GOBO_LINES_OUT (51 + FL_LAMP_COUNT)
 #define FL_BINDING_RIMS (52 + FL_LAMP_COUNT)  // RimRow, FrameParams::rims_max a supertile
 #define FL_BINDING_CUTS (53 + FL_LAMP_COUNT)  // CutRow, FrameParams::cuts_max a supertile
-// Smooth edges: which surface each pixel shows at its middle (lib/edge_surfaces.glsl), the samples of pixels with edges
+// Smooth edges: EdgeIdRow, one a pixel, the samples of pixels with edges
 // (lib/edge_samples.glsl), the colours of these pixels, and a bit a pixel that has one.
 #define FL_BINDING_EDGE_IDS (54 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGE_SAMPLES (55 + FL_LAMP_COUNT)
@@ -153,7 +153,9 @@
 #define FL_BINDING_DISPLAY_RECORDS (112 + FL_LAMP_COUNT)
 #define FL_BINDING_SHEENS (113 + FL_LAMP_COUNT)  // SheenRow; the first one is that of matt surfaces
 #define FL_BINDING_DRAW_BLOCKS (114 + FL_LAMP_COUNT)  // DrawBlocksHead, then DrawBlockRow, FL_BLOCKS_MAX
-#define FL_BINDING_COUNT (115 + FL_LAMP_COUNT)
+#define FL_BINDING_BODY_SPACES (115 + FL_LAMP_COUNT)  // BodySpaceRow, one a body
+#define FL_BINDING_BODY_ROUNDS (116 + FL_LAMP_COUNT)  // BodyRoundsHead, then BodyRoundRow
+#define FL_BINDING_COUNT (117 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -861,8 +863,12 @@ struct TreeRow {  // as fixtures::TreeNode
 // A pixel may have so many samples of what it shows; words of a tile's mask of pixels with edges.
 #define FL_EDGE_SAMPLES_MAX 16
 #define FL_EDGE_WORDS (FL_TILE_PX * FL_TILE_PX / 32)
+struct EdgeIdRow {
+  uint id;           // of the surface (lib/edge_surfaces.glsl)
+  float farthest_z;  // no surface behind this depth is drawn: it is behind what the pixel and its neighbours show
+};
 #define FL_GROUP_EDGES 128        // threads of a workgroup that has a tile
-#define FL_EDGE_PIXELS 1048576    // pixels with room for samples; a larger picture is drawn in parts
+#define FL_EDGE_PIXELS 2097152    // pixels with room for samples; a larger picture is drawn in parts
 struct BodyVertexRow {  // as fixtures::BodyVertex
   float x;
   float y;
@@ -889,7 +895,29 @@ struct BodySlotRow {
 #define FL_GROUP_TRIANGLES 64  // threads of a workgroup that draws triangles
 #define FL_WIDE_BODY_PX 16       // a body with this diameter has FL_CHOICE_WIDE
 #define FL_SLOTS_X 32768     // workgroups side by side, one a body
-#define FL_ROUND_TRIANGLES 128  // triangles that a workgroup draws
+#define FL_ROUND_TRIANGLES 64   // triangles that a workgroup draws
+// Where a body is in the picture. For each number of joints, rows that take a place behind them to (x times w, y times
+// w, w); x and y in pixels from the picture's middle. Then the rows of pixels that it may cover.
+struct BodySpaceRow {
+  vec4 to_picture[12];
+  float first_px;
+  float last_px;
+  float pad_1;
+  float pad_2;
+};
+// The workgroups that draw bodies: the commands of an indirect dispatch, and how many there are, FL_ROUNDS_X side by
+// side.
+#define FL_ROUNDS_X 256
+struct BodyRoundsHead {
+  uint groups_x;
+  uint groups_y;
+  uint groups_z;
+  uint count;
+};
+struct BodyRoundRow {
+  uint slot;
+  uint triangle;  // the first that it draws
+};
 // Parts of large triangles, each drawn by a workgroup: the commands of an indirect dispatch, and how many parts have
 // been asked for. More than FL_BLOCKS_MAX are drawn by the workgroups that find them.
 #define FL_BLOCK_PX 128
