@@ -353,7 +353,7 @@ class Preview {
   render::Knobs knobs_;                       // but for nodes and divisor, which are those of controls_
   bool error_begun_ = false;                  // what error_ needs is being compiled
   bool error_tried_ = false;                  // error_ was made, or cannot be
-  bool is_rough_ = false;                     // the first pictures: fewer pixels, no smooth edges; in software
+  bool is_rough_ = false;                     // the first pictures, in software (render::rough_settings)
   bool shows_rough_ = false;                  // the window shows such a picture
   bool compiles_whole_ = false;               // is_rough_ ends once the pipelines have finished
   bool error_drawn_ = false;                  // the current picture has its samples
