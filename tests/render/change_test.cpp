@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fixtures/model/rig.h"
+#include "render/quality.h"
 #include "render/vk/pipeline.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
