@@ -170,7 +170,7 @@ Status Preview::turn_stage(const PixelRect& where) {
   FL_TRY(follow_views());
   FL_TRY(follow_flashes());
   if (fits_controls(where)) {
-    compiling_.reset();
+    coming_.leave();
   } else if (is_compiled(where)) {
     FL_TRY(rebuild(where));
   }

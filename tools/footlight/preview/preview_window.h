@@ -29,6 +29,7 @@
 #include "tools/footlight/edit/autosave.h"
 #include "tools/footlight/mvr/exchange_follower.h"
 #include "tools/footlight/pictures/timeline.h"
+#include "tools/footlight/preview/coming_settings.h"
 #include "tools/footlight/preview/compared_log.h"
 #include "tools/footlight/preview/edited_scene.h"
 #include "tools/footlight/preview/frame_times.h"
@@ -364,8 +365,7 @@ class Preview {
   std::atomic<bool> stops_curves_ = false;
   bool stopped_curves_ = false;  // since they were begun
   std::atomic<double> curves_share_ = 0;  // of the measurement that is done
-  // Of a frame that is to be another one for its size or settings, while what it needs is compiled.
-  std::optional<render::FrameSettings> compiling_;
+  ComingSettings coming_;  // of a frame that is to be another one for its size or settings
   BusyMark busy_mark_;
   bool wants_curves_ = false;    // also without a request for an error or a time
   const std::size_t report_panel_ = panel_of("report");
