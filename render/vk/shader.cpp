@@ -32,7 +32,8 @@ struct Module {
 };
 
 Result<Module> read_module(Spirv spirv) {
-  if (spirv.size() < kSpirvHeaderWords || spirv[0] != kSpirvMagic) return fail(ErrorCode::kBadInput, "a shader is no SPIR-V");
+  if (spirv.size() < kSpirvHeaderWords || spirv[0] != kSpirvMagic)
+    return fail(ErrorCode::kBadInput, "a shader is no SPIR-V");
   Module module;
   for (std::size_t at = kSpirvHeaderWords; at < spirv.size();) {
     const std::uint32_t words = spirv[at] >> 16;

@@ -174,7 +174,9 @@ TEST_CASE("a frame that begins rough draws whole pictures as a new one does, and
   FrameSettings whole = sized(64, 36);
   whole.edge_samples = 8;
   whole.bounce = true;
-  const FrameSettings rough = rough_settings(whole, scene.compiled.beams_max);
+  const FrameSettings rough = rough_settings(whole, kRoughBeamsMax + 1);
+  CHECK(!rough.shadows);
+  CHECK(rough.nodes < whole.nodes);
   CHECK(rough.edge_samples == 0);
   CHECK(!rough.bounce);
   vk::Device& device = vulkan.device();

@@ -46,8 +46,8 @@ class EditedScene {
   // Makes a new scene() after the fixtures of file() have changed. Fixtures that share slots both use them. If the rig
   // cannot be compiled, scene() stays. Universes stay in the tables once they were there, so that inputs need not be
   // opened again. ids: UiState::ids; empty: as many new ones as there are fixtures.
-  // revision: UiState::revision, equal for equal rigs. shown: a scene from before that the picture still shows, or null.
-  // If the rig is again as it was then, scene() is that one.
+  // revision: UiState::revision, equal for equal rigs. shown: a scene from before that the picture still shows, or
+  // null. If the rig is again as it was then, scene() is that one.
   Status remake(std::vector<int> ids = {}, std::uint64_t revision = 0, const SharedScene& shown = nullptr);
 
  private:

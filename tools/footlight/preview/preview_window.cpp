@@ -203,16 +203,15 @@ bool Preview::fits_controls(const PixelRect& where) {
   const render::FrameSettings& settings = frame_->settings();
   const render::FrameSettings wanted = frame_settings(where, is_rough_);
   const bool other_size = settings.width != wanted.width || settings.height != wanted.height;
-  render::Knobs knobs = knobs_;
-  knobs.nodes = static_cast<std::uint32_t>(controls_.nodes);
+  const render::Knobs knobs = render::knobs_of(wanted);
   render::Knobs drawn = render::knobs_of(settings);
   drawn.divisor = knobs.divisor;  // a part of the size
   if (knobs.gobo_method == render::GoboMethod::kSuited) drawn.gobo_method = knobs.gobo_method;
   const bool settled =
       (last_ns_ - wanted_since_ns_ >= kSettleNs || sized_views_ != desk_->views()) && !window_->minimised();
   return drawn == knobs && wanted.edge_samples == settings.edge_samples && wanted.bounce == settings.bounce &&
-         controls_.haze == settings.haze &&
-         !other_display(controls_, settings) && !(other_size && settled);
+         wanted.shadows == settings.shadows && controls_.haze == settings.haze && !other_display(controls_, settings) &&
+         !(other_size && settled);
 }
 
 // Begins a picture.
