@@ -304,6 +304,22 @@ Result<KnobPoint> fixed_knobs(double error) {
               100 * kFixed[0].error);
 }
 
+FrameSettings rough_settings(const FrameSettings& whole, std::uint32_t beams) {
+  constexpr double kPixelsTimesBeams = 10e6;  // less than a second of software on two cores
+  FrameSettings rough = whole;
+  const double work = static_cast<double>(whole.width) * whole.height * beams;
+  const int divisor = static_cast<int>(std::clamp(std::ceil(std::sqrt(work / kPixelsTimesBeams)), 2.0, 6.0));
+  rough.width = std::max(whole.width / divisor, 1);
+  rough.height = std::max(whole.height / divisor, 1);
+  rough.edge_samples = 0;
+  rough.bounce = false;
+  if (beams > kRoughBeamsMax) {
+    rough.shadows = false;
+    rough.nodes = 1;
+  }
+  return rough;
+}
+
 TimeKeeper::TimeKeeper(std::vector<KnobPoint> ladder, double budget_ms, std::size_t start)
     : ladder_(std::move(ladder)), budget_ms_(budget_ms), at_(start) {
   FL_CHECK(start < ladder_.size());

@@ -91,6 +91,17 @@ struct KnobCurves {
 [[nodiscard]] Result<KnobPoint> fixed_knobs(double error);
 [[nodiscard]] std::span<const KnobPoint> fixed_table();
 
+// The first pictures of a window whose device is the CPU, for about half a second: `whole` without what can be left out
+// for that long. All that they leave out is here. They have the tables of whole ones, and step the fixtures alike.
+// - Fewer pixels, so that pixels x beams stay below some 10 million.
+// - No smooth edges: 0.2 s a picture, and two pipelines.
+// - No reflected light: how much each part of the scene reflects to each other one takes 0.15 s.
+// - With more than kRoughBeamsMax beams no shadows, and one node of light in the air: these take most of the time of
+//   2,000 beams, and what is compiled for them alone takes less. With fewer beams whole pictures share their pipelines.
+// beams: CompiledRig::beams_max.
+inline constexpr std::uint32_t kRoughBeamsMax = 500;
+[[nodiscard]] FrameSettings rough_settings(const FrameSettings& whole, std::uint32_t beams);
+
 // Moves along a ladder so that a picture takes at most budget_ms, with hysteresis. Its clock is the times it is given:
 // equal ones give equal knobs.
 //

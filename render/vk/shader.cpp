@@ -3,26 +3,13 @@
 #include <algorithm>
 #include <map>
 
+#include "render/vk/spirv_words.h"
+
 namespace footlight::render::vk {
 namespace {
 
-// Words of the SPIR-V specification 1.6, sections 3.7 (storage classes), 3.20 (decorations) and 3.49 (instructions).
-constexpr std::uint32_t kMagic = 0x07230203;
-constexpr std::size_t kHeaderWords = 5;
-enum Op : std::uint32_t {
-  kOpTypeVoid = 19,  // the first of the types
-  kOpTypeInt = 21,
-  kOpTypeFloat = 22,
-  kOpTypeImage = 25,
-  kOpTypeSampledImage = 27,
-  kOpTypeStruct = 30,
-  kOpTypePointer = 32,
-  kOpVariable = 59,
-  kOpDecorate = 71,
-};
+// Words of the SPIR-V specification 1.6, section 3.7 (storage classes).
 enum Storage : std::uint32_t { kUniformConstant = 0, kUniform = 2, kPushConstant = 9, kStorageBuffer = 12 };
-constexpr std::uint32_t kDecorationBinding = 33;
-constexpr std::uint32_t kDecorationDescriptorSet = 34;
 constexpr std::uint32_t kImageForStorage = 2;  // operand "Sampled" of OpTypeImage
 
 struct Type {
@@ -45,9 +32,10 @@ struct Module {
 };
 
 Result<Module> read_module(Spirv spirv) {
-  if (spirv.size() < kHeaderWords || spirv[0] != kMagic) return fail(ErrorCode::kBadInput, "a shader is no SPIR-V");
+  if (spirv.size() < kSpirvHeaderWords || spirv[0] != kSpirvMagic)
+    return fail(ErrorCode::kBadInput, "a shader is no SPIR-V");
   Module module;
-  for (std::size_t at = kHeaderWords; at < spirv.size();) {
+  for (std::size_t at = kSpirvHeaderWords; at < spirv.size();) {
     const std::uint32_t words = spirv[at] >> 16;
     const std::uint32_t op = spirv[at] & 0xffff;
     if (words == 0 || at + words > spirv.size()) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fixtures/model/rig.h"
+#include "render/quality.h"
 #include "render/vk/pipeline.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
@@ -172,8 +173,12 @@ TEST_CASE("a frame that begins rough draws whole pictures as a new one does, and
   const Scene scene = demo_scene(75, true);
   FrameSettings whole = sized(64, 36);
   whole.edge_samples = 8;
-  FrameSettings rough = sized(32, 18);
-  rough.edge_samples = 0;
+  whole.bounce = true;
+  const FrameSettings rough = rough_settings(whole, kRoughBeamsMax + 1);
+  CHECK(!rough.shadows);
+  CHECK(rough.nodes < whole.nodes);
+  CHECK(rough.edge_samples == 0);
+  CHECK(!rough.bounce);
   vk::Device& device = vulkan.device();
   const auto frame = must(Frame::create(device, scene.rig, scene.compiled, whole, product_passes(), &rough));
   CHECK(draw(*frame, scene).width == 32);

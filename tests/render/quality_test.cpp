@@ -281,5 +281,27 @@ TEST_CASE("equal times give equal knobs, and one slow picture changes none") {
   CHECK(one.at() == settled);
 }
 
+TEST_CASE("rough pictures have fewer pixels, and leave shadows and nodes to whole ones only with many beams") {
+  FrameSettings whole;
+  whole.width = 640;
+  whole.height = 360;
+  whole.bounce = true;
+  const FrameSettings few = rough_settings(whole, 20);
+  CHECK(few.width == 320);
+  CHECK(few.height == 180);
+  CHECK(few.edge_samples == 0);
+  CHECK(!few.bounce);
+  CHECK(few.shadows);
+  CHECK(few.nodes == whole.nodes);
+  CHECK(few.glare == whole.glare);
+  const FrameSettings many = rough_settings(whole, 2000);
+  CHECK(many.width == 640 / 6);
+  CHECK(!many.shadows);
+  CHECK(many.nodes == 1);
+  whole.width = whole.height = 1;
+  CHECK(rough_settings(whole, 2000).width == 1);
+  CHECK(rough_settings(whole, 0).height == 1);
+}
+
 }  // namespace
 }  // namespace footlight::render

@@ -1,12 +1,14 @@
 // What the window shows while its picture waits.
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <imgui/imgui.h>
 
 #include <doctest/doctest.h>
 
 #include "tests/tools/footlight/panels_test_imgui.h"
+#include "tools/footlight/preview/coming_settings.h"
 #include "tools/footlight/preview/ui/draw_busy.h"
 
 namespace footlight::tools {
@@ -60,6 +62,62 @@ TEST_CASE("what cannot be cancelled has no button, and another thing to wait for
   ui.wait(BusyMark::kPatienceNs);
   CHECK(has(ui.words(), "measuring this machine"));
   CHECK(ui.mark.can_cancel());
+}
+
+TEST_CASE("of all that the picture waits for the first that must end is shown and cancelled") {
+  BusyWork work;
+  CHECK(busy_of(work).with == BusyWith::kNothing);
+  work.compiles = true;
+  CHECK(busy_of(work).with == BusyWith::kShaders);
+  CHECK(!busy_of(work).can_cancel);
+  work.seeking = Transport::Seeking{0, 5 * kNsPerS, 10 * kNsPerS};
+  CHECK(busy_of(work).with == BusyWith::kSeek);
+  CHECK(busy_of(work).can_cancel);
+  work.makes_frame = true;
+  CHECK(busy_of(work).with == BusyWith::kEdit);
+  work.knobs_share = 0.25;
+  CHECK(busy_of(work).with == BusyWith::kKnobs);
+  CHECK(busy_of(work).can_cancel);
+  CHECK(busy_of(work).share == 0.25);
+}
+
+TEST_CASE("an edit whose picture is prepared can be cancelled while it is the newest command, and once") {
+  BusyWork work{.makes_frame = true, .can_undo = true};
+  CHECK(busy_of(work).can_cancel);
+  CHECK(!has(busy_of(work).words, "Ctrl+Z"));
+  work.can_undo = false;
+  CHECK(!busy_of(work).can_cancel);
+  CHECK(has(busy_of(work).words, "Ctrl+Z"));
+  work.can_undo = work.undone = true;  // the edit before it is not what the picture waits for
+  CHECK(!busy_of(work).can_cancel);
+  CHECK(has(busy_of(work).words, "undone"));
+}
+
+TEST_CASE("a frame of other settings begins when all is compiled, once, and other settings meanwhile begin anew") {
+  ComingSettings coming;
+  std::vector<int> begun;  // heights
+  bool compiled = false;
+  const auto come = [&](int height) {
+    render::FrameSettings settings;
+    settings.height = height;
+    return coming.come(
+        settings, [&](const render::FrameSettings& each) { begun.push_back(each.height); }, [&] { return compiled; });
+  };
+  CHECK(!coming.waits());
+  CHECK(!come(100));
+  CHECK(!come(100));
+  CHECK(coming.waits());
+  CHECK(!come(200));
+  compiled = true;
+  CHECK(come(200));
+  CHECK(begun == std::vector<int>{100, 200});
+  CHECK(!coming.waits());
+  compiled = false;
+  CHECK(!come(100));
+  coming.leave();
+  CHECK(!coming.waits());
+  CHECK(!come(100));
+  CHECK(begun == std::vector<int>{100, 200, 100, 100});
 }
 
 TEST_CASE("the share of a seek is between nothing and all of it, also where it ends where it begins") {

@@ -19,7 +19,7 @@ struct EditDesk {
             by_hand))),
         desk(scene->scene()->rig, scene->scene()->compiled) {
     desk.let_edit(scene->file().rig(), [this]() -> Status {
-      FL_TRY(scene->remake(desk.state().ids));
+      FL_TRY(scene->remake(desk.state().ids, desk.state().revision, shown));
       desk.show(scene->scene()->rig, scene->scene()->compiled);
       return {};
     });
@@ -31,6 +31,7 @@ struct EditDesk {
 
   std::unique_ptr<tools::EditedScene> scene;
   tools::UiDesk desk;
+  tools::SharedScene shown;  // by the picture; null: there is none
 };
 
 }  // namespace footlight::testing

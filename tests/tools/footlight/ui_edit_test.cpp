@@ -198,6 +198,35 @@ TEST_CASE("the options of the scene act on types that are added, and VRSL's rigs
   while (!vrsl.desk.undo().empty()) check_consistent(vrsl.desk);
 }
 
+TEST_CASE("an edit that is undone before there is a picture of it leaves the picture the scene that it shows") {
+  EditDesk edit(parsed_rig(kUiRig));
+  UiDesk& desk = edit.desk;
+  edit.shown = edit.scene->scene();
+  CHECK(!desk.edited_last());
+  desk.select(1, false);
+  CHECK(!desk.edited_last());
+  REQUIRE(desk.clone_selected({1, {0, 0, 1}}));
+  CHECK(desk.edited_last());
+  CHECK(edit.scene->scene() != edit.shown);
+  CHECK(!desk.undo().empty());
+  CHECK(edit.scene->scene() == edit.shown);
+  CHECK(&desk.rig() == &edit.shown->rig);
+  check_consistent(desk);
+  CHECK(!desk.redo().empty());
+  CHECK(edit.scene->scene() != edit.shown);
+  CHECK(desk.rig().fixtures.size() == edit.shown->rig.fixtures.size() + 1);
+  check_consistent(desk);
+  // An edit that adds a type and is undone: the next one has the types of its own.
+  const testing::TempFolder folder;
+  edit.shown = edit.scene->scene();
+  REQUIRE(desk.add(new_heads(folder.write("one.qxf", testing::qxf_head("Robe", "One", {{"long", 4}})))));
+  CHECK(!desk.undo().empty());
+  CHECK(edit.scene->scene() == edit.shown);
+  REQUIRE(desk.add(new_heads(folder.write("two.qxf", testing::qxf_head("Robe", "Two", {{"long", 4}})))));
+  check_consistent(desk);
+  CHECK(edit.scene->scene()->rig.types.back().name == desk.edited().types.back().name);
+}
+
 TEST_CASE("copies are selected, and what is deleted takes its values with it") {
   EditDesk edit(parsed_rig(kUiRig));
   UiDesk& desk = edit.desk;

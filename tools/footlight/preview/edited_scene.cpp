@@ -84,14 +84,19 @@ Status EditedScene::follow_types() {
   return {};
 }
 
-Status EditedScene::remake(std::vector<int> ids) {
+Status EditedScene::remake(std::vector<int> ids, std::uint64_t revision, const SharedScene& shown) {
   FL_TRY(follow_types());
+  if (shown && shown->revision == revision) {
+    scene_ = shown;
+    return {};
+  }
   const auto free = std::find_if(held_.begin(), held_.end(),
                                  [](const SharedScene& each) { return each.use_count() == 1 && !each->written; });
   SharedScene next =
-      free != held_.end() ? *free : std::make_shared<PreviewScene>(PreviewScene{base_, {}, {}, types_, {}, {}});
+      free != held_.end() ? *free : std::make_shared<PreviewScene>(PreviewScene{base_, {}, {}, types_, 0, {}, {}});
   next->rig.fixtures = file_.rig().fixtures;
   if (std::exchange(next->types, types_) != types_) next->rig.types = base_.types;
+  next->revision = revision;
   next->ids = std::move(ids);
   for (std::size_t i = next->ids.size(); i < next->rig.fixtures.size(); ++i) next->ids.push_back(static_cast<int>(i));
   fixtures::share_conflicting_addresses(next->rig);

@@ -20,6 +20,7 @@ struct PreviewScene {
   fixtures::CompiledRig compiled;
   std::optional<fixtures::Rig> written;  // as written, where `rig` is what VRSL shows of it
   std::uint64_t types = 0;               // EditedScene::types_ of its types
+  std::uint64_t revision = 0;            // UiState::revision of the edited rig
   std::vector<int> ids;                  // of its fixtures: equal ones in two scenes are the same fixture
   // Ascending: those in which the rig has an address of its own, not one that was made up for faders.
   std::vector<Universe> own_universes;
@@ -45,7 +46,9 @@ class EditedScene {
   // Makes a new scene() after the fixtures of file() have changed. Fixtures that share slots both use them. If the rig
   // cannot be compiled, scene() stays. Universes stay in the tables once they were there, so that inputs need not be
   // opened again. ids: UiState::ids; empty: as many new ones as there are fixtures.
-  Status remake(std::vector<int> ids = {});
+  // revision: UiState::revision, equal for equal rigs. shown: a scene from before that the picture still shows, or
+  // null. If the rig is again as it was then, scene() is that one.
+  Status remake(std::vector<int> ids = {}, std::uint64_t revision = 0, const SharedScene& shown = nullptr);
 
  private:
   EditedScene(RigFile file, const SceneFiles& files) : file_(std::move(file)), files_(files) {}

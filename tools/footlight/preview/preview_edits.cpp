@@ -73,7 +73,7 @@ Result<RigFile> Preview::open_file() {
 // Lets the panels edit the rig.
 void Preview::start_edits() {
   desk_->let_edit(edited_->file().rig(), [this]() -> Status {
-    FL_TRY(edited_->remake(desk_->state().ids));
+    FL_TRY(edited_->remake(desk_->state().ids, desk_->state().revision, framed_));
     desk_->show(edited_->scene()->rig, edited_->scene()->compiled);
     pick_.reset();
     return {};

@@ -71,33 +71,29 @@ void Preview::follow_first_picture(const PixelRect& where) {
 // True once a frame of other settings can begin. Other threads compile what its pictures need, and the one before goes
 // on meanwhile.
 bool Preview::is_compiled(const PixelRect& where) {
-  const render::FrameSettings wanted = frame_settings(where, is_rough_);
-  if (compiling_ != wanted) {
-    compiling_ = wanted;
-    frame_->compile_ahead(wanted);
-  }
-  if (!times_out_ && !device_->pipelines().finished()) return false;
-  compiling_.reset();
-  return true;
+  return coming_.come(
+      frame_settings(where, is_rough_), [this](const render::FrameSettings& wanted) { frame_->compile_ahead(wanted); },
+      [this] { return times_out_ || device_->pipelines().finished(); });
 }
 
-// The measurement and edits come first: the fixtures stand still meanwhile, and with them a seek.
 Busy Preview::busy() const {
-  if (reading_curves_.valid()) return {BusyWith::kKnobs, tr("measuring this machine"), curves_share_.load(), true};
-  if (making_.valid()) {
-    return {BusyWith::kEdit, tr("preparing the picture of the edited rig; Ctrl+Z undoes the edit"), std::nullopt,
-            false};
-  }
-  if (player_ && player_->seeking()) return busy_with(*player_->seeking());
-  if (compiling_) {
-    return {BusyWith::kShaders, tr("compiling shaders; the picture goes on as it was"), std::nullopt, false};
-  }
-  return {};
+  BusyWork work;
+  if (reading_curves_.valid()) work.knobs_share = curves_share_.load();
+  work.makes_frame = making_.valid();
+  work.undone = edited_->scene() == framed_;
+  work.can_undo = desk_->edited_last();
+  if (player_) work.seeking = player_->seeking();
+  work.compiles = coming_.waits();
+  return busy_of(work);
 }
 
+// What the mark shows.
 void Preview::cancel_busy() {
-  if (reading_curves_.valid()) return ask_for_quality({});
-  controls_.transport.cancels_seek = player_ && player_->seeking();
+  const Busy now = busy();
+  if (!now.can_cancel) return;
+  if (now.with == BusyWith::kKnobs) ask_for_quality({});
+  if (now.with == BusyWith::kEdit) step_history(true);
+  controls_.transport.cancels_seek = now.with == BusyWith::kSeek;
 }
 
 // The curves of this machine, which take seconds to measure the first time. Any thread.

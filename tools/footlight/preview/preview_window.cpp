@@ -30,13 +30,6 @@ constexpr DurationNs kFactsNs = 100 * kNsPerMs;    // from one moment that the s
 constexpr DurationNs kLossPauseNs = 60 * kNsPerS;  // devices that are lost sooner one after the other are counted
 constexpr int kLossesMax = 3;
 
-// A side of a rough picture of w x h pixels has so many times fewer.
-int rough_divisor(int width, int height, std::uint32_t beams) {
-  constexpr double kPixelsTimesBeams = 15e6;  // less than a second of software on two cores
-  const double whole = static_cast<double>(width) * height * beams;
-  return static_cast<int>(std::clamp(std::ceil(std::sqrt(whole / kPixelsTimesBeams)), 2.0, 5.0));
-}
-
 // What the camera makes of the light.
 void take_display(const PreviewControls& controls, render::FrameSettings& settings) {
   settings.glare = static_cast<double>(controls.glare_percent) / 100;
@@ -177,7 +170,7 @@ Status Preview::turn_stage(const PixelRect& where) {
   FL_TRY(follow_views());
   FL_TRY(follow_flashes());
   if (fits_controls(where)) {
-    compiling_.reset();
+    coming_.leave();
   } else if (is_compiled(where)) {
     FL_TRY(rebuild(where));
   }
@@ -210,15 +203,15 @@ bool Preview::fits_controls(const PixelRect& where) {
   const render::FrameSettings& settings = frame_->settings();
   const render::FrameSettings wanted = frame_settings(where, is_rough_);
   const bool other_size = settings.width != wanted.width || settings.height != wanted.height;
-  render::Knobs knobs = knobs_;
-  knobs.nodes = static_cast<std::uint32_t>(controls_.nodes);
+  const render::Knobs knobs = render::knobs_of(wanted);
   render::Knobs drawn = render::knobs_of(settings);
   drawn.divisor = knobs.divisor;  // a part of the size
   if (knobs.gobo_method == render::GoboMethod::kSuited) drawn.gobo_method = knobs.gobo_method;
   const bool settled =
       (last_ns_ - wanted_since_ns_ >= kSettleNs || sized_views_ != desk_->views()) && !window_->minimised();
-  return drawn == knobs && wanted.edge_samples == settings.edge_samples && controls_.haze == settings.haze &&
-         !other_display(controls_, settings) && !(other_size && settled);
+  return drawn == knobs && wanted.edge_samples == settings.edge_samples && wanted.bounce == settings.bounce &&
+         wanted.shadows == settings.shadows && controls_.haze == settings.haze && !other_display(controls_, settings) &&
+         !(other_size && settled);
 }
 
 // Begins a picture.
@@ -385,21 +378,18 @@ Status Preview::update_error() {
 // The current size, nodes and haze.
 render::FrameSettings Preview::frame_settings(const PixelRect& where, bool rough) const {
   render::FrameSettings settings;
-  int divisor = controls_.divisor;
-  if (rough) divisor *= rough_divisor(where.width / divisor, where.height / divisor, framed_->compiled.beams_max);
-  settings.width = std::max(where.width / divisor, 1);
-  settings.height = std::max(where.height / divisor, 1);
+  settings.width = std::max(where.width / controls_.divisor, 1);
+  settings.height = std::max(where.height / controls_.divisor, 1);
   settings = render::with_knobs(settings, knobs_);
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
   settings.edge_samples = options_.edge_samples.value_or(render::suited_edge_samples(*device_));
-  if (rough) settings.edge_samples = 0;
   settings.shadows = options_.display.shadows;
   settings.shadow_map_px = options_.display.shadow_map_px;
   settings.penumbra = options_.display.penumbra;
   settings.bounce = options_.bounce;
   take_display(controls_, settings);
   settings.haze = controls_.haze;
-  return settings;
+  return rough ? render::rough_settings(settings, framed_->compiled.beams_max) : settings;
 }
 
 // A frame of these settings. The states of the fixtures move from the old frame to the new one.

@@ -29,6 +29,7 @@
 #include "tools/footlight/edit/autosave.h"
 #include "tools/footlight/mvr/exchange_follower.h"
 #include "tools/footlight/pictures/timeline.h"
+#include "tools/footlight/preview/coming_settings.h"
 #include "tools/footlight/preview/compared_log.h"
 #include "tools/footlight/preview/edited_scene.h"
 #include "tools/footlight/preview/frame_times.h"
@@ -353,7 +354,7 @@ class Preview {
   render::Knobs knobs_;                       // but for nodes and divisor, which are those of controls_
   bool error_begun_ = false;                  // what error_ needs is being compiled
   bool error_tried_ = false;                  // error_ was made, or cannot be
-  bool is_rough_ = false;                     // the first pictures: fewer pixels, no smooth edges; in software
+  bool is_rough_ = false;                     // the first pictures, in software (render::rough_settings)
   bool shows_rough_ = false;                  // the window shows such a picture
   bool compiles_whole_ = false;               // is_rough_ ends once the pipelines have finished
   bool error_drawn_ = false;                  // the current picture has its samples
@@ -364,8 +365,7 @@ class Preview {
   std::atomic<bool> stops_curves_ = false;
   bool stopped_curves_ = false;  // since they were begun
   std::atomic<double> curves_share_ = 0;  // of the measurement that is done
-  // Of a frame that is to be another one for its size or settings, while what it needs is compiled.
-  std::optional<render::FrameSettings> compiling_;
+  ComingSettings coming_;  // of a frame that is to be another one for its size or settings
   BusyMark busy_mark_;
   bool wants_curves_ = false;    // also without a request for an error or a time
   const std::size_t report_panel_ = panel_of("report");

@@ -18,6 +18,23 @@ Busy busy_with(const Transport::Seeking& seeking) {
           std::clamp(done / all, 0.0, 1.0), true};
 }
 
+Busy busy_of(const BusyWork& work) {
+  if (work.knobs_share) return {BusyWith::kKnobs, tr("measuring this machine"), work.knobs_share, true};
+  if (work.makes_frame && work.undone) {
+    return {BusyWith::kEdit, tr("the edit is undone; the picture goes on soon"), std::nullopt, false};
+  }
+  if (work.makes_frame) {
+    const char* const words = work.can_undo ? tr("preparing the picture of the edited rig")
+                                            : tr("preparing the picture of the edited rig; Ctrl+Z undoes the edit");
+    return {BusyWith::kEdit, words, std::nullopt, work.can_undo};
+  }
+  if (work.seeking) return busy_with(*work.seeking);
+  if (work.compiles) {
+    return {BusyWith::kShaders, tr("compiling shaders; the picture goes on as it was"), std::nullopt, false};
+  }
+  return {};
+}
+
 bool BusyMark::draw(const Busy& busy, TimeNs now_ns, float stage_width, float y, float scale) {
   if (busy.with != with_) {
     with_ = busy.with;

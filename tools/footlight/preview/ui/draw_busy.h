@@ -18,6 +18,18 @@ struct Busy {
   bool can_cancel = false;      // by the button and by Esc
 };
 
+// What other threads and the log's player are doing.
+struct BusyWork {
+  std::optional<double> knobs_share;  // 0 to 1: curves of knobs are being measured
+  bool makes_frame = false;           // of an edited rig
+  bool undone = false;                // the rig is again the one that the picture shows
+  bool can_undo = false;              // the edit is the newest command
+  std::optional<Transport::Seeking> seeking;
+  bool compiles = false;  // what a frame of other settings needs
+};
+// What is shown of it, and cancelled: a measurement and edits come first, since fixtures and a seek stand still
+// meanwhile.
+[[nodiscard]] Busy busy_of(const BusyWork& work);
 // The picture waits for a seek through a log.
 [[nodiscard]] Busy busy_with(const Transport::Seeking& seeking);
 

@@ -92,6 +92,11 @@ class UiDesk {
   // The text of the command; empty: there was none.
   std::string undo();
   std::string redo();
+  // The newest command, which undo() takes back, is an edit of the rig that needs a new picture.
+  [[nodiscard]] bool edited_last() const {
+    const auto* edit = history_.next_undo() != nullptr ? std::get_if<EditRig>(history_.next_undo()) : nullptr;
+    return edit != nullptr && edit->edit.edits_fixtures();
+  }
   // Where the camera and the exposure start. Not a command.
   void start_view(const OrbitCamera& camera, const Exposure& exposure) {
     state_.camera = camera;
