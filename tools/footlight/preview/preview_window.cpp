@@ -21,6 +21,7 @@
 #include "tools/footlight/preview/display_loss.h"
 #include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/words.h"
+#include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -523,8 +524,10 @@ PreviewOptions options_for(PreviewOptions options, const Preview::Next& next) {
 }  // namespace
 
 Result<int> run_preview(const PreviewOptions& options) {
-  FL_TRY(choose_words(options.language));
+  FL_ASSIGN(const std::string note, choose_words(options.language));
+  if (!note.empty()) fmt::print(stderr, "footlight: {}\n", printable_utf8(note));
   PreviewOptions now = options;
+  if (now.news.empty()) now.news = note;
   std::optional<PreviewOptions> before;  // of the window before, if this one was opened from it
   int worst = kExitOk;
   while (true) {
