@@ -34,11 +34,12 @@ std::uint32_t SheenTable::number(const std::optional<fixtures::Sheen>& sheen, co
 std::optional<fixtures::Diagnostic> SheenTable::warning(const std::string& rig) const {
   if (joined_.empty()) return {};
   const std::size_t own = rows_.size() - 1;
-  return fixtures::Diagnostic{fixtures::Severity::kWarning,
-                              "materials-too-many",
-                              {rig},
-                              fmt::format("{} materials that are not matt, and a picture has {}", own + joined_.size(), own),
-                              fmt::format("{} of them look like the most similar of the first {}", joined_.size(), own)};
+  return fixtures::Diagnostic{
+      fixtures::Severity::kWarning,
+      "materials-too-many",
+      {rig},
+      fmt::format("{} materials that are not matt, and a picture has {}", own + joined_.size(), own),
+      fmt::format("{} of them look like the most similar of the first {}", joined_.size(), own)};
 }
 
 }  // namespace footlight::render

@@ -42,7 +42,7 @@ Status Preview::follow_flashes() {
   bool changes = false;
   for (int i = 0; i < kViewsMax; ++i) {
     View& view = views_[static_cast<std::size_t>(i)];
-    const bool wanted = mode != FlashMode::kOff && i < desk_->views();
+    const bool wanted = mode != FlashMode::kOff && i < views();
     if (wanted ? view.flashes && view.flashes->limits() == limits : !view.flashes) continue;
     view.flashes_held = false;
     changes = true;
@@ -89,15 +89,18 @@ Busy Preview::busy() const {
             false};
   }
   if (player_ && player_->seeking()) return busy_with(*player_->seeking());
+  if (const auto seeking = both_.seeking()) return busy_with(*seeking);
   if (compiling_) {
     return {BusyWith::kShaders, tr("compiling shaders; the picture goes on as it was"), std::nullopt, false};
   }
+  if (reading_compared_.valid()) return {BusyWith::kLog, trf("reading {}", compared_path_), std::nullopt, false};
   return {};
 }
 
 void Preview::cancel_busy() {
   if (reading_curves_.valid()) return ask_for_quality({});
   controls_.transport.cancels_seek = player_ && player_->seeking();
+  if (!controls_.transport.cancels_seek && both_.seeking()) set_stage_compare(StageCompare::kOff);
 }
 
 // The curves of this machine, which take seconds to measure the first time. Any thread.

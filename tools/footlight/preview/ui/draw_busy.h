@@ -9,7 +9,7 @@
 
 namespace footlight::tools {
 
-enum class BusyWith { kNothing, kSeek, kEdit, kKnobs, kShaders };
+enum class BusyWith { kNothing, kSeek, kEdit, kKnobs, kShaders, kLog };
 
 struct Busy {
   BusyWith with = BusyWith::kNothing;
