@@ -6,6 +6,7 @@
 #include <fstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -51,6 +52,11 @@ TEST_CASE("folders come first and numbers in names count as numbers, whatever th
   CHECK(compare_names("a01", "a1") != 0);
   CHECK(compare_names("x2", "x10") < 0);
   CHECK(compare_names("x", "x1") < 0);
+  const std::pair<const char*, const char*> pairs[] = {{"x2", "x10"}, {"X", "y"}, {"x", "x1"}, {"a9b", "a10a"}};
+  for (const auto& [a, b] : pairs) {
+    CHECK(order_key(a) < order_key(b));
+    CHECK(compare_names(a, b) < 0);
+  }
 }
 
 TEST_CASE("a filter, words and hidden files decide what is listed, and a mark stays on its entry") {

@@ -54,18 +54,20 @@ bool fits(FileFilter filter, FileKind kind) {
 
 void FileList::clear() {
   entries_.clear();
+  keys_.clear();
+  small_.clear();
+  sorted_.clear();
   shown_.clear();
   words_.clear();
   marked_ = -1;
   marked_name_.clear();
 }
 
-bool FileList::shows(const FileEntry& entry) const {
+bool FileList::shows(std::size_t index) const {
+  const FileEntry& entry = entries_[index];
   if ((entry.hidden() && !hidden_) || !fits(filter_, entry.kind)) return false;
-  if (words_.empty()) return true;
-  const std::string name = small_letters(entry.name);
   return std::all_of(words_.begin(), words_.end(),
-                     [&](const std::string& word) { return name.find(word) != std::string::npos; });
+                     [&](const std::string& word) { return small_[index].find(word) != std::string::npos; });
 }
 
 bool FileList::before(std::size_t a, std::size_t b) const {
@@ -76,39 +78,40 @@ bool FileList::before(std::size_t a, std::size_t b) const {
   if (column_ == FileColumn::kModified && x.modified_s != y.modified_s) {
     return (x.modified_s < y.modified_s) != descending_;
   }
-  const int order = compare_names(x.name, y.name);
+  int order = keys_[a].compare(keys_[b]);
+  if (order == 0) order = x.name.compare(y.name);
   return column_ == FileColumn::kName && descending_ ? order > 0 : order < 0;
 }
 
 void FileList::add(std::vector<FileEntry> entries) {
-  const auto middle = static_cast<std::ptrdiff_t>(shown_.size());
+  const auto middle = static_cast<std::ptrdiff_t>(sorted_.size());
   for (FileEntry& entry : entries) {
+    keys_.push_back(order_key(entry.name));
+    small_.push_back(small_letters(entry.name));
+    sorted_.push_back(static_cast<std::uint32_t>(entries_.size()));
     entries_.push_back(std::move(entry));
-    if (shows(entries_.back())) shown_.push_back(static_cast<std::uint32_t>(entries_.size() - 1));
   }
   const auto order = [this](std::uint32_t a, std::uint32_t b) { return before(a, b); };
-  std::sort(shown_.begin() + middle, shown_.end(), order);
-  std::inplace_merge(shown_.begin(), shown_.begin() + middle, shown_.end(), order);
-  mark_name(std::string(marked_name_));
+  std::sort(sorted_.begin() + middle, sorted_.end(), order);
+  std::inplace_merge(sorted_.begin(), sorted_.begin() + middle, sorted_.end(), order);
+  show();
 }
 
-void FileList::show_all() {
+void FileList::show() {
   shown_.clear();
-  for (std::uint32_t i = 0; i < entries_.size(); ++i) {
-    if (shows(entries_[i])) shown_.push_back(i);
-  }
-  std::sort(shown_.begin(), shown_.end(), [this](std::uint32_t a, std::uint32_t b) { return before(a, b); });
+  std::copy_if(sorted_.begin(), sorted_.end(), std::back_inserter(shown_),
+               [this](std::uint32_t index) { return shows(index); });
   mark_name(std::string(marked_name_));
 }
 
 void FileList::set_filter(FileFilter filter) {
   filter_ = filter;
-  show_all();
+  show();
 }
 
 void FileList::set_hidden(bool shows) {
   hidden_ = shows;
-  show_all();
+  show();
 }
 
 void FileList::set_words(const std::string& words) {
@@ -120,7 +123,7 @@ void FileList::set_words(const std::string& words) {
     at = end + 1;
   }
   marked_name_.clear();
-  show_all();
+  show();
   if (!words_.empty()) mark(shown_.empty() ? -1 : 0);  // Enter opens it
 }
 
@@ -128,7 +131,8 @@ void FileList::sort(FileColumn column, bool descending) {
   if (column_ == column && descending_ == descending) return;
   column_ = column;
   descending_ = descending;
-  show_all();
+  std::sort(sorted_.begin(), sorted_.end(), [this](std::uint32_t a, std::uint32_t b) { return before(a, b); });
+  show();
 }
 
 void FileList::mark(int row) {

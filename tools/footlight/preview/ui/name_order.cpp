@@ -37,4 +37,20 @@ int compare_names(std::string_view a, std::string_view b) {
   return a.compare(b);  // so that each order is the same
 }
 
+std::string order_key(std::string_view name) {
+  std::string key;
+  key.reserve(name.size() + 4);
+  for (std::size_t i = 0; i < name.size();) {
+    if (std::isdigit(static_cast<unsigned char>(name[i])) == 0) {
+      key += static_cast<char>(std::tolower(static_cast<unsigned char>(name[i++])));
+      continue;
+    }
+    const std::string_view number = number_at(name, i);  // a longer one is larger
+    key += '0';
+    key += static_cast<char>(number.size() < 255 ? number.size() : 255);
+    key += number;
+  }
+  return key;
+}
+
 }  // namespace footlight::tools
