@@ -531,13 +531,7 @@ Result<vk::Buffer> make_boxes(vk::Device& device, const fixtures::Rig& rig, Shee
 Status make_sheens(vk::Device& device, const fixtures::Rig& rig, const SheenTable& sheens, bool used,
                    fixtures::Diagnostics& diagnostics, RigTables& r) {
   r.sheen_count = static_cast<std::uint32_t>(sheens.rows().size()) - 1;
-  if (sheens.joined() > 0) {
-    diagnostics.add({fixtures::Severity::kNote,
-                     "materials-too-many",
-                     {rig.name},
-                     fmt::format("more than {} materials that are not matt", FL_SHEENS_MAX - 1),
-                     fmt::format("{} of them have the roughness and metal of another one", sheens.joined())});
-  }
+  if (auto warning = sheens.warning(rig.name)) diagnostics.add(std::move(*warning));
   if (used) {
     FL_ASSIGN(r.sheens, vk::Buffer::table(device, sheens.rows()));
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace footlight::render {
 namespace {
 
@@ -25,8 +27,19 @@ std::uint32_t SheenTable::number(const std::optional<fixtures::Sheen>& sheen, co
     nearest = rows_.size();
     rows_.push_back(row);
   }
-  if (apart(rows_[nearest], row) > 0) ++joined_;
+  if (apart(rows_[nearest], row) > 0) joined_.emplace(row.roughness, row.metal, row.color.x, row.color.y, row.color.z);
   return static_cast<std::uint32_t>(nearest);
+}
+
+std::optional<fixtures::Diagnostic> SheenTable::warning(const std::string& rig) const {
+  if (joined_.empty()) return {};
+  const std::size_t own = rows_.size() - 1;
+  return fixtures::Diagnostic{
+      fixtures::Severity::kWarning,
+      "materials-too-many",
+      {rig},
+      fmt::format("{} materials that are not matt, and a picture has {}", own + joined_.size(), own),
+      fmt::format("{} of them look like the most similar of the first {}", joined_.size(), own)};
 }
 
 }  // namespace footlight::render

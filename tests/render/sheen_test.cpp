@@ -214,10 +214,18 @@ TEST_CASE("a rig without sheen has no code for it, and the table of a rig with i
   CHECK(table.number(fixtures::Sheen{0.5, 1}) == 2);
   CHECK(table.number(fixtures::Sheen{0.5, 0}) == 1);
   CHECK(table.joined() == 0);
+  CHECK(!table.warning("hall"));
   for (int i = 0; i < 200; ++i) CHECK(table.number(fixtures::Sheen{0.001 * i, 0}) < FL_SHEENS_MAX);
   CHECK(table.rows().size() == FL_SHEENS_MAX);
-  CHECK(table.joined() > 100);
+  CHECK(table.joined() == 139);  // of 202 different ones
+  CHECK(table.number(fixtures::Sheen{0.001 * 199, 0}) < FL_SHEENS_MAX);
+  CHECK(table.joined() == 139);  // each counts once
   CHECK(table.rows()[table.number(fixtures::Sheen{0.51, 0.99})].metal == 1);
+  const auto warning = table.warning("hall");
+  REQUIRE(warning);
+  CHECK(warning->severity == fixtures::Severity::kWarning);  // printed when the rig is loaded
+  CHECK(fixtures::text(*warning).find("203 materials that are not matt, and a picture has 63") != std::string::npos);
+  CHECK(fixtures::text(*warning).find("140 of them look like the most similar of the first 63") != std::string::npos);
 }
 
 TEST_CASE("the live error of a picture with sheen is small") {

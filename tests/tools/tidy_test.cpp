@@ -197,10 +197,11 @@ TEST_CASE("hardware libraries, and those that compile slowly, are included only 
       {"GLFW/", R"(tools/footlight/(preview/(window|preview_|key_presses|ui/keys\.|ui/panels\.)|vrsl/vrsl_window).*|)"
                 R"(tests/tools/footlight/ui_input_test.*)"},
       {"imgui", R"(tools/footlight/preview/(window|preview_|)"
-                R"(ui/(.*panels?|draw_.*|menu|palette|escape|live_band|questions|rig_editor|stage_marks|toasts|)"
+                R"(ui/(.*panels?|draw_.*|file_dialog|menu|palette|escape|live_band|questions|rig_editor|stage_marks|)"
+                R"(toasts|)"
                 R"(ui_theme)\.).*|)"
                 R"(tests/(tools/footlight/((panels|panel_edits|busy_panel|compare_panel|messages|devices_panel|)"
-                R"(library_panel|)"
+                R"(file_dialog|library_panel|)"
                 R"(palette|inspector|shown_ui|side_panel|theme|report_panel|wheels|words_panels)_test|)"
                 R"(edit_ui)|bench/ui_bench).*)"},
       {"libav", R"(tools/footlight/pictures/video.*\.cpp|tools/footlight/vrsl/(video_.*\.cpp|av_error\.h)|)"

@@ -141,6 +141,8 @@ bool is_excepted(const std::string& file_and_text) {
       // Names of this program, of a sender, of a quantile and of a pass.
       "preview_panel.cpp: FOOTLIGHT", "preview_panel.cpp: p50, p90", "preview_outputs.cpp: Footlight preview",
       "preview_open.cpp: {} - Footlight", "preview_edits.cpp: {}{} - Footlight", "preview_window.cpp: error",
+      // Units.
+      "file_list.cpp: kB", "file_list.cpp: MB", "file_list.cpp: GB", "file_list.cpp: TB",
       // Events for standard output.
       "preview_window.cpp: event", "preview_window.cpp: flashes-begin", "preview_window.cpp: device-lost",
       "preview_window.cpp: device", "preview_window.cpp: stage", "preview_window.cpp: window",

@@ -97,6 +97,22 @@ TEST_CASE("a compared log stands in the row with name, time and offset until ano
   CHECK(!has(ui.words(), "monday.dmxlog"));
 }
 
+TEST_CASE("universes that were made up for faders do not differ from a log, which cannot have them") {
+  CompareUi ui;
+  KeptLevels other;
+  other.moment = only_of(ui.kept().moment, std::vector<Universe>{1});
+  other.log = "monday.dmxlog";
+  ui.levels[1] = 5;
+  ui.levels[kSlotCountMax + 507] = 9;  // universe 2
+  ui.desk.comparison().a = other;
+  const std::string words = ui.words();
+  CHECK_MESSAGE(has(words, "1 slot differs, 1 in universe 1"), words);
+  ui.desk.comparison().b = ui.kept();
+  CHECK(has(ui.words(), "1 slot differs, 1 in universe 1"));
+  ui.desk.comparison().a->log.clear();  // a moment has them
+  CHECK(has(ui.words(), "2 slots differ"));
+}
+
 TEST_CASE("slots that differ from a kept moment are counted and listed with fixture, parameter and both levels") {
   CompareUi ui;
   ui.levels[1] = 40;

@@ -10,6 +10,7 @@
 #include "tests/sim/dmx_log/support.h"
 #include "tests/support/must.h"
 #include "tools/footlight/preview/compared_log.h"
+#include "tools/footlight/sound/sound_log.h"
 
 namespace footlight::tools {
 namespace {
@@ -36,9 +37,14 @@ std::string log_file(const TempFolder& folder, DurationNs end_ns) {
   return path;
 }
 
+Result<ComparedLog> opened(const std::string& path, std::vector<Universe> universes) {
+  FL_ASSIGN(LogReader reader, read_level_log(path));
+  return ComparedLog::open(std::move(reader), path, std::move(universes));
+}
+
 TEST_CASE("a compared log has the levels of any time, whichever time was asked for before") {
   const TempFolder folder;
-  ComparedLog log = must(ComparedLog::open(log_file(folder, 20 * kNsPerS), {1, 3}));
+  ComparedLog log = must(opened(log_file(folder, 20 * kNsPerS), {1, 3}));
   CHECK(log.name() == "monday.dmxlog");
   CHECK(log.duration_ns() == 20 * kNsPerS);
   REQUIRE(log.moment().universes == std::vector<Universe>{1, 3});
@@ -60,7 +66,7 @@ TEST_CASE("a compared log has the levels of any time, whichever time was asked f
 
 TEST_CASE("a compared log leaves out universes that the rig has not, and follows the universes of an edited rig") {
   const TempFolder folder;
-  ComparedLog log = must(ComparedLog::open(log_file(folder, 4 * kNsPerS), {2, 3}));
+  ComparedLog log = must(opened(log_file(folder, 4 * kNsPerS), {2, 3}));
   must(log.go_to(2 * kNsPerS));
   CHECK(log.moment().levels[0] == 0);
   CHECK(log.moment().levels[kSlotCountMax] == 19);
@@ -72,16 +78,16 @@ TEST_CASE("a compared log leaves out universes that the rig has not, and follows
 
 TEST_CASE("a compared log that is missing, is no log or is cut off while it is read is an error with its name") {
   const TempFolder folder;
-  const auto missing = ComparedLog::open(folder.file("none.dmxlog"), {1});
+  const auto missing = opened(folder.file("none.dmxlog"), {1});
   REQUIRE(!missing);
   CHECK(missing.error().message.find("none.dmxlog") != std::string::npos);
   testing::write_bytes(folder.file("text.dmxlog"), "levels of monday");
-  const auto text = ComparedLog::open(folder.file("text.dmxlog"), {1});
+  const auto text = opened(folder.file("text.dmxlog"), {1});
   REQUIRE(!text);
   CHECK(text.error().message.find("text.dmxlog") != std::string::npos);
 
   const std::string path = log_file(folder, 20 * kNsPerS);
-  ComparedLog log = must(ComparedLog::open(path, {1, 3}));
+  ComparedLog log = must(opened(path, {1, 3}));
   must(log.go_to(kNsPerS));
   const std::vector<std::uint8_t> before = log.moment().levels;
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
@@ -89,6 +95,18 @@ TEST_CASE("a compared log that is missing, is no log or is cut off while it is r
   REQUIRE(!read);
   CHECK(read.error().message.find("monday.dmxlog") != std::string::npos);
   CHECK(log.moment().levels == before);
+}
+
+TEST_CASE("a recording of another format is compared as a log is") {
+  const TempFolder folder;
+  testing::write_bytes(folder.file("monday.show"), "OLA Show\n1 10,20\n500\n1 30,40\n500\n");
+  ComparedLog log = must(opened(folder.file("monday.show"), {1}));
+  CHECK(log.name() == "monday.show");
+  must(log.go_to(100 * kNsPerMs));
+  CHECK(log.moment().levels[0] == 10);
+  must(log.go_to(900 * kNsPerMs));
+  CHECK(log.moment().levels[0] == 30);
+  CHECK(log.moment().levels[1] == 40);
 }
 
 }  // namespace

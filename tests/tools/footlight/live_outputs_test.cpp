@@ -395,6 +395,7 @@ TEST_CASE("a rig whose fixtures have no address has no universe of its own, what
   REQUIRE(partly);
   CHECK((*partly)->scene()->own_universes == std::vector<Universe>{1});
   CHECK((*partly)->scene()->compiled.universes == std::vector<Universe>{1, 2});
+  CHECK(logged_universes(*(*partly)->scene()) == std::vector<Universe>{1});  // a log has no others
   for (auto& fixture : rig.fixtures) fixture.patched = false;
   auto none = EditedScene::make(RigFile::made(fixtures::as_imported(rig, "toml"), "ui.toml"), {}, 1.5, true);
   REQUIRE(none);

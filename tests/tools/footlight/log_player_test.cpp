@@ -15,6 +15,7 @@
 #include "tests/sim/dmx_log/support.h"
 #include "tests/support/headless_vulkan.h"
 #include "tests/support/must.h"
+#include "tests/tools/footlight/played_stage.h"
 #include "tools/footlight/preview/log_player.h"
 #include "tools/footlight/preview/log_thumbnails.h"
 
@@ -22,18 +23,13 @@ namespace footlight::tools {
 namespace {
 
 using footlight::testing::HeadlessVulkan;
+using footlight::testing::kPictureNs;
+using footlight::testing::log_of;
 using footlight::testing::must;
 using footlight::testing::OwnedFrame;
+using footlight::testing::SetClock;
+using Stage = footlight::testing::PlayedStage;
 using footlight::testing::TempFolder;
-
-constexpr DurationNs kPictureNs = 17 * kNsPerMs;
-
-class SetClock final : public Clock {
- public:
-  TimeNs now_ns() override { return time_ns; }
-  void sleep_until_ns(TimeNs) override {}
-  TimeNs time_ns = 0;
-};
 
 // Each look is a millisecond after the one before.
 class LookedAtClock final : public Clock {
@@ -43,91 +39,6 @@ class LookedAtClock final : public Clock {
 
  private:
   TimeNs now_ns_ = 0;
-};
-
-// A moving head whose levels change every 70 ms, in a random way.
-std::vector<std::uint8_t> log_of(DurationNs end_ns) {
-  testing::Random random(3);
-  std::vector<OwnedFrame> frames;
-  for (TimeNs time_ns = 0; time_ns < end_ns || frames.empty(); time_ns += 70 * kNsPerMs) {
-    OwnedFrame frame;
-    frame.time_ns = time_ns;
-    frame.universe = 1;
-    for (std::size_t slot = 0; slot < 40; ++slot) frame.slots.push_back(random.byte());
-    frames.push_back(std::move(frame));
-  }
-  LogWriterOptions options;
-  options.block_span_ns = 500 * kNsPerMs;
-  return testing::log_bytes(frames, end_ns, options);
-}
-
-// A player with the frame that it drives, and what it gave.
-struct Stage {
-  static constexpr const char* kRig =
-      "[rig]\nname = \"r\"\n[[fixture]]\nname = \"A\"\ntype = \"generic/profile\"\nuniverse = 1\naddress = 1\n"
-      "position = [0, 0, 5]\n";
-
-  Stage(render::vk::Device& device_in, LogReader log_in)
-      : device(device_in), log(std::move(log_in)), frame(make_frame()), player(make_player()) {}
-  Stage(render::vk::Device& device_in, DurationNs end_ns) : Stage(device_in, testing::open_log(log_of(end_ns))) {}
-
-  [[nodiscard]] std::unique_ptr<render::Frame> make_frame() const {
-    render::FrameSettings settings{.width = 16, .height = 16};
-    settings.auto_exposure = true;
-    return must(render::Frame::create(device, rig, compiled, settings, {&render::kStepPass, &render::kTonemapPass}));
-  }
-  [[nodiscard]] std::unique_ptr<LogPlayer> make_player() {
-    return std::make_unique<LogPlayer>([this] { return Timeline(log.again(), compiled); }, clock);
-  }
-  // The first step after a restart takes jump_ns.
-  [[nodiscard]] LogPlayer::Driven driven() {
-    return {device,
-            *frame,
-            taken_over,
-            [this](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
-              ++steps;
-              exposed_ns = new_exposure ? dt_ns : exposed_ns + dt_ns;
-              frame->step(levels, dt_ns, new_exposure);
-            },
-            [this] {
-              ++restarts;
-              clock.time_ns += jump_ns;
-            },
-            in_flight};
-  }
-  void turn(DurationNs dt_ns = kPictureNs) { must(player->turn(transport, dt_ns, driven())); }
-  void play(TimeNs until_ns) {
-    while (player->now_ns() < until_ns) turn();
-  }
-  void make_index() {
-    while (!player->index()->done()) must(player->work_at_index(kNsPerS, driven()));
-  }
-  [[nodiscard]] render::FrameState state() const { return must(frame->save_state()); }
-  // From the start.
-  [[nodiscard]] render::FrameState replayed(TimeNs until_ns) const {
-    const auto other = make_frame();
-    Timeline timeline(log.again(), compiled);
-    must(advance_frame(timeline, *other, until_ns, LogPlayer::kExposureNs,
-                       [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
-                         other->step(levels, dt_ns, new_exposure);
-                       }));
-    return must(other->save_state());
-  }
-
-  render::vk::Device& device;
-  LogReader log;
-  fixtures::Rig rig = must(fixtures::parse_rig(kRig, "r.toml"));
-  fixtures::CompiledRig compiled = must(fixtures::compile(rig));
-  SetClock clock;
-  std::unique_ptr<render::Frame> frame;
-  std::unique_ptr<LogPlayer> player;
-  Transport transport;
-  bool taken_over = false;
-  bool in_flight = false;  // a picture of the frame
-  int steps = 0;
-  int restarts = 0;
-  DurationNs exposed_ns = 0;
-  DurationNs jump_ns = 0;
 };
 
 TEST_CASE("a seek gives the states of a replay from the start, to the bit, from wherever the log has played to") {

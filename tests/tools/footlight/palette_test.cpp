@@ -217,7 +217,7 @@ TEST_CASE("the File menu lists stations with their files, and asks for the one t
   exchange.stations[0].files.push_back({"b", "new.mvr", "truss 2", 1'200'000});
   one.ui.press(420, 10);  // File
   CHECK(!exchange.looks);
-  for (float y = 20; y < 60 && !exchange.looks; y += 5) {  // the mouse over the first entry
+  for (float y = 20; y < 140 && !exchange.looks; y += 5) {  // the mouse over the entry of stations
     ImGui::GetIO().MousePos = {430, y};
     for (int i = 0; i < 30 && !exchange.looks; ++i) one.ui.frame();
   }
@@ -228,8 +228,8 @@ TEST_CASE("the File menu lists stations with their files, and asks for the one t
   CHECK(contains(words, "does not answer"));
   CHECK(words.find("new.mvr  1.2 MB  truss 2") < words.find("old.mvr"));  // the newest first
   const ImVec2 entry = ImGui::GetIO().MousePos;
-  for (float x = 650; x > 20 && !exchange.receive; x -= 90) {  // the list is beside the menu, to its left or right
-    for (float y = 10; y < 120 && !exchange.receive; y += 6) {
+  for (float x = 1010; x > 20 && !exchange.receive; x -= 90) {  // the list is beside the menu, to its left or right
+    for (float y = 10; y < 220 && !exchange.receive; y += 6) {
       one.ui.press(x, y);
       if (exchange.receive || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel)) {
         continue;

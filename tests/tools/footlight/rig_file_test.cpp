@@ -65,6 +65,31 @@ TEST_CASE("a rig of another program is saved beside it, with its definitions, an
   CHECK(!fs::exists(folder.file("show.toml~")));
 }
 
+TEST_CASE("a rig that is saved as another file belongs to that from then on, and replaces one only if that is meant") {
+  const TempFolder folder;
+  const std::string path = folder.file("a.toml");
+  RigFile show = opened_file(write_show(folder));
+  REQUIRE(show.save_as(path, false));
+  CHECK(show.target() == path);
+  CHECK(show.path() == path);
+  CHECK(!fs::exists(folder.file("show.toml")));
+  CHECK(fs::exists(folder.file("a_files/B.gdtf")));
+  const std::string first = read(path);
+  lift(show, {0});
+  folder.write("b.toml", "# another rig\n");
+  const auto refused_as = show.save_as(folder.file("b.toml"), false);
+  REQUIRE(!refused_as);
+  CHECK(contains(refused_as.error().message, "b.toml: exists already"));
+  CHECK(show.target() == path);
+  CHECK(read(folder.file("b.toml")) == "# another rig\n");
+  REQUIRE(show.save_as(folder.file("b.toml"), true));
+  CHECK(read(folder.file("b.toml~")) == "# another rig\n");
+  CHECK(read(path) == first);
+  lift(show, {0});
+  CHECK(saved(show).path == folder.file("b.toml"));
+  CHECK(fixtures::position_of(opened_file(folder.file("b.toml")).rig().fixtures[0]).z == 6);
+}
+
 constexpr const char* kGoboHead =
     "<!DOCTYPE FixtureDefinition>\n<FixtureDefinition><Manufacturer>A</Manufacturer><Model>B</Model>"
     "<Type>Moving Head</Type><Channel Name=\"Gobo wheel\"><Group Byte=\"0\">Gobo</Group>"

@@ -155,7 +155,7 @@ TEST_CASE("the language is that of the environment, as gettext reads it, if ther
 }
 
 TEST_CASE("an unknown language is refused with those that there are") {
-  const Status chosen = choose_words("tlh", "/nowhere");
+  const auto chosen = choose_words("tlh", "/nowhere");
   REQUIRE(!chosen);
   CHECK(chosen.error().message.find("--language tlh: expected one of en;") != std::string::npos);
   CHECK(choose_words("en", "/nowhere"));

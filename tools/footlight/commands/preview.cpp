@@ -7,10 +7,19 @@
 
 #include "tools/footlight/command.h"
 #include "tools/footlight/pictures/frame_options.h"
+#include "tools/footlight/preview/stage_comparison.h"
 #include "tools/footlight/preview/ui/stage_views.h"
 
 namespace footlight::tools {
 namespace {
+
+void add_compare(Arguments& arguments, PreviewOptions& options) {
+  arguments.option("--compare", options.compare, "LOG",
+                   "show the levels of this log beside those of the window, at the same time, with the differences");
+  arguments.option("--compare-stage", options.compare_stage, "WORD",
+                   "A and B of the comparison on the stage: beside or difference; without --compare A is the first "
+                   "moment [off]");
+}
 
 void add(Arguments& arguments) {
   auto options = std::make_shared<PreviewOptions>();
@@ -31,8 +40,7 @@ void add(Arguments& arguments) {
                    "socket for 'footlight set', fade, blackout and scene: a file, auto or none [auto]");
   arguments.option("--record", options->record, "FILE",
                    "record what the fixtures get to this log, from the first picture on (Ctrl+R ends it)");
-  arguments.option("--compare", options->compare, "LOG",
-                   "show the levels of this log beside those of the window, at the same time, with the differences");
+  add_compare(arguments, *options);
   arguments.option("--recordings", options->recordings, "FOLDER",
                    "where Ctrl+R puts recordings; default: the folder of the rig's file");
   arguments.list("--output", options->outputs, "ENDPOINT",
@@ -89,6 +97,7 @@ void add(Arguments& arguments) {
     if (options->views && !is_view_count(*options->views)) {
       return fail(ErrorCode::kBadInput, "--views {}: expected 1, 2 or 4", *options->views);
     }
+    FL_TRY(stage_compare_of(options->compare_stage));
     FL_TRY(take_shadows(*shadows, options->display));
     FL_TRY(take_penumbra(*penumbra, options->display));
     FL_ASSIGN(options->bounce, parse_bounce(*bounce));

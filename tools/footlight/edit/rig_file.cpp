@@ -202,4 +202,19 @@ Result<SaveReport> RigFile::save() {
   return report;
 }
 
+Result<SaveReport> RigFile::save_as(const std::string& path, bool replaces) {
+  const std::string target = std::exchange(target_, path);
+  const std::optional<FileMark> known = std::exchange(known_, replaces ? mark_of_file(path) : std::nullopt);
+  const bool saved = std::exchange(saved_, false);
+  auto report = save();
+  if (!report) {
+    target_ = target;
+    known_ = known;
+    saved_ = saved;
+    return report;
+  }
+  path_ = path;
+  return report;
+}
+
 }  // namespace footlight::tools

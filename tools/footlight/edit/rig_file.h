@@ -54,6 +54,9 @@ class RigFile {
   // Errors: the target is a link, read-only, or was made or changed by others; the folder is locked for longer; the
   // text could not be read as a rig; export_rig_toml().
   [[nodiscard]] Result<SaveReport> save();
+  // The same to another file, which is that of the rig from then on; after an error it is the one from before.
+  // replaces: the user knows of the file that is there, which is kept as save() does; else one is an error.
+  [[nodiscard]] Result<SaveReport> save_as(const std::string& path, bool replaces);
 
  private:
   RigFile() = default;

@@ -23,6 +23,17 @@ int MomentDifference::slots_of(Universe universe) const {
   return at != universes.end() && at->universe == universe ? at->slots : 0;
 }
 
+LevelMoment only_of(const LevelView& moment, std::span<const Universe> universes) {
+  LevelMoment kept;
+  for (const Universe universe : universes) {
+    const auto levels = moment.of(universe);
+    if (levels.empty()) continue;
+    kept.universes.push_back(universe);
+    kept.levels.insert(kept.levels.end(), levels.begin(), levels.end());
+  }
+  return kept;
+}
+
 MomentDifference compare_moments(const LevelView& a, const LevelView& b, int tolerance) {
   static constexpr std::array<std::uint8_t, kSlotCountMax> kDark{};
   MomentDifference difference;

@@ -52,6 +52,9 @@ struct MomentDifference {
   [[nodiscard]] int slots_of(Universe universe) const;
 };
 
+// The universes of a moment that are among these, ascending.
+[[nodiscard]] LevelMoment only_of(const LevelView& moment, std::span<const Universe> universes);
+
 // A universe that is in one moment only has level 0 in the other. tolerance: levels may differ by this much.
 [[nodiscard]] MomentDifference compare_moments(const LevelView& a, const LevelView& b, int tolerance = 0);
 

@@ -17,8 +17,7 @@ ComparedLog::ComparedLog(LogReader reader, std::string name, std::vector<Univers
   moment_.universes = std::move(universes);
 }
 
-Result<ComparedLog> ComparedLog::open(const std::string& path, std::vector<Universe> universes) {
-  FL_ASSIGN(LogReader reader, LogReader::open(path));
+Result<ComparedLog> ComparedLog::open(LogReader reader, const std::string& path, std::vector<Universe> universes) {
   ComparedLog log(std::move(reader), std::filesystem::path(path).filename().string(), std::move(universes));
   FL_TRY(log.go_to(0));
   return log;

@@ -11,8 +11,10 @@ namespace footlight::tools {
 
 class ComparedLog {
  public:
-  // universes: those of the rig, ascending; others are left out.
-  [[nodiscard]] static Result<ComparedLog> open(const std::string& path, std::vector<Universe> universes);
+  // log: of `path`, which read_level_log() reads in any format. universes: those of the rig, ascending; others are left
+  // out. Those that were made up for faders do not belong here: nobody sends them.
+  [[nodiscard]] static Result<ComparedLog> open(LogReader log, const std::string& path,
+                                                std::vector<Universe> universes);
 
   // To the levels at any time of this log; before its start and after its end they are those there. Quick if the times
   // of calls ascend by seconds at most. Errors name the file; the moment is then some mixture.
@@ -25,6 +27,7 @@ class ComparedLog {
   [[nodiscard]] const std::string& name() const { return name_; }  // of the file, without its folder
   [[nodiscard]] DurationNs duration_ns() const { return info().duration_ns; }
   [[nodiscard]] const LogInfo& info() const { return reader_.info(); }
+  [[nodiscard]] LogReader again() const { return reader_.again(); }  // another reader of it, at its start
 
  private:
   ComparedLog(LogReader reader, std::string name, std::vector<Universe> universes);

@@ -1,6 +1,7 @@
 #include "tools/footlight/preview/edited_scene.h"
 
 #include <algorithm>
+#include <iterator>
 #include <unordered_map>
 #include <utility>
 
@@ -27,6 +28,14 @@ std::vector<Universe> used_universes(const fixtures::Rig& rig) {
 }
 
 }  // namespace
+
+std::vector<Universe> logged_universes(const PreviewScene& scene) {
+  if (scene.written) return scene.compiled.universes;  // addresses are those that VRSL listens to
+  std::vector<Universe> logged;
+  std::set_intersection(scene.compiled.universes.begin(), scene.compiled.universes.end(), scene.own_universes.begin(),
+                        scene.own_universes.end(), std::back_inserter(logged));
+  return logged;
+}
 
 Result<std::unique_ptr<EditedScene>> EditedScene::make(RigFile file, const SceneFiles& files, double aspect,
                                                        bool by_hand) {

@@ -27,6 +27,9 @@ struct PreviewScene {
 };
 using SharedScene = std::shared_ptr<PreviewScene>;
 
+// The universes of compiled in which a log may have levels: not those that were made up for faders.
+[[nodiscard]] std::vector<Universe> logged_universes(const PreviewScene& scene);
+
 // For each fixture of one scene its index in another one; -1: it is not there.
 [[nodiscard]] std::vector<int> fixture_moves(const PreviewScene& from, const PreviewScene& to);
 // What the user set by faders, for another scene. `hand` is of `from`.

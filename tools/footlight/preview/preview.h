@@ -20,6 +20,7 @@ struct PreviewOptions {
   std::vector<std::string> outputs;  // endpoints to real lamps; each sends nothing until the user arms it
   std::string socket = "auto";       // for commands by hand: a file, auto or none
   std::string compare;               // log whose levels are compared with those of the window; empty: none
+  std::string compare_stage = "off";  // or "beside", "difference": A and B of the comparison on the stage
   std::string record;                // log of what the fixtures get, from the start; empty: none
   std::string recordings;            // folder of recordings that begin in the window; empty: that of the rig
   std::string size = "1280x720";

@@ -61,13 +61,13 @@ void Preview::store_new_camera() {
 }
 
 void Preview::view_from_side(ViewSide side) {
-  const PixelRect where = place_of(desk_->state().view);
+  const PixelRect where = place_of(active_view());
   desk_->jump_camera(view_from(side, bounds_of(edited_->scene()->rig), static_cast<double>(where.width) / where.height,
                                desk_->state().camera));
 }
 
 void Preview::frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m) {
-  const PixelRect where = place_of(desk_->state().view);
+  const PixelRect where = place_of(active_view());
   OrbitCamera camera = desk_->state().camera;
   camera.frame(low_m, high_m, static_cast<double>(where.width) / where.height);
   desk_->jump_camera(camera);

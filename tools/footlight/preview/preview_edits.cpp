@@ -95,7 +95,7 @@ Status Preview::begin_frame(const PixelRect& where) {
                          auto made = std::make_unique<Made>();
                          FL_ASSIGN(made->frame, render::Frame::create(*device_, scene->rig, scene->compiled, settings));
                          if (!logs) return made;
-                         made->player = make_player(scene);
+                         made->player = make_player(scene, *log_);
                          const auto step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool exposes) {
                            made->frame->step(levels, dt_ns, exposes);
                          };
@@ -174,6 +174,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       error_tried_ = error_begun_ = error_drawn_ = false;
       picture_since_ns_ = -1;
       thumbnails_.clear();
+      both_.change_rig();
       frame_ = std::move((*made)->frame);
       videos_.show_all_again();
       if ((*made)->player) player_ = std::move((*made)->player);

@@ -71,7 +71,7 @@ nlohmann::json figures_of(const PreviewFacts& facts, const Times& times, const r
 
 std::vector<std::uint64_t> Preview::view_pictures() const {
   std::vector<std::uint64_t> pictures;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(desk_->views()); ++i) pictures.push_back(views_[i].pictures);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(views()); ++i) pictures.push_back(views_[i].pictures);
   return pictures;
 }
 
@@ -79,7 +79,7 @@ void Preview::print_second() {
   nlohmann::json line = figures_of(facts_, {times_, turn_times_, show_times_, ui_times_}, frame_->settings());
   line["event"] = "frames";
   line["fps"] = facts_.fps;
-  line["view"] = desk_->state().view;
+  line["view"] = active_view();
   line["view_pictures"] = view_pictures();
   line["selected"] = desk_->state().selection.fixtures.size();
   line["taken_over"] = desk_->state().taken.size();
@@ -113,6 +113,11 @@ void Preview::print_summary() {
   line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
   line["ui_fps"] = elapsed_s > 0 ? static_cast<double>(turn_times_.count()) / elapsed_s : 0;
   line["view_pictures"] = view_pictures();
+  if (both_.on()) line["compare_stage"] = word_of(both_.mode());
+  if (both_.difference()) {
+    line["difference_largest"] = both_.difference()->largest;
+    line["difference_mean"] = both_.difference()->mean;
+  }
   line["ui_scale"] = window_->ui_scale();
   line["validation_messages"] = validation_messages();
   fmt::print("{}\n", line.dump());
@@ -121,7 +126,7 @@ void Preview::print_summary() {
 // The window as shown; only the picture of a single view if the window system does not allow reading the window.
 Status Preview::write_shot() {
   FL_ASSIGN(render::ScreenImage image, window_->read_shot());
-  if (image.rgba.empty() && desk_->views() > 1) {
+  if (image.rgba.empty() && (views() > 1 || both_.on())) {
     return fail(ErrorCode::kUnsupported,
                 "{}: this window system does not let windows be read; --views 1 saves one view", options_.screenshot);
   }

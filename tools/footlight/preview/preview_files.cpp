@@ -1,5 +1,8 @@
 // Files that are dropped on the preview's window, and rigs that are opened again.
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -21,16 +24,54 @@ std::string name_of(const std::string& path) { return std::filesystem::path(path
 
 // Definitions are added at once; the last rig or log is asked about.
 void Preview::take_drops() {
-  for (const std::string& path : window_->take_drops()) {
-    const auto kind = kind_of_dropped(path);
-    if (!kind) {
-      tell(kind.error());
-    } else if (*kind == DroppedKind::kDefinition) {
-      add_definition(path);
-    } else {
-      ask_to_open(*kind == DroppedKind::kRig ? Next{path, ""} : Next{"", path});
-    }
+  for (const std::string& path : window_->take_drops()) open_dropped(path);
+}
+
+void Preview::open_dropped(const std::string& path) {
+  const auto kind = kind_of_dropped(path);
+  if (!kind) {
+    tell(kind.error());
+  } else if (*kind == DroppedKind::kDefinition) {
+    add_definition(path);
+  } else {
+    ask_to_open(*kind == DroppedKind::kRig ? Next{path, "", ""} : Next{"", path, saved_as_});
   }
+}
+
+void Preview::open_dialog(FileDialog::Use use) {
+  namespace fs = std::filesystem;
+  const char* const home = std::getenv("HOME");
+  std::error_code trouble;
+  const std::string target = fs::absolute(edited_->file().target(), trouble).lexically_normal().string();
+  std::ifstream mounts("/proc/self/mounts");
+  const std::string mounted{std::istreambuf_iterator<char>(mounts), {}};
+  FileDialog::Start start;
+  start.use = use;
+  start.folder = parent_of(target);
+  start.name = name_of(target);
+  start.home = home != nullptr ? home : "/";
+  start.places = file_places(start.home, target, settings_.recent_rigs, mounted);
+  dialog_.open(std::move(start));
+}
+
+// What the user has chosen in the dialog.
+void Preview::take_dialog() {
+  const auto chosen = dialog_.draw(window_->ui_scale());
+  if (!chosen) return;
+  if (chosen->use == FileDialog::Use::kOpen) return open_dropped(chosen->path);
+  save_as(chosen->path, chosen->replaces);
+}
+
+// From then on the rig is that of the new file.
+void Preview::save_as(const std::string& path, bool replaces) {
+  const auto report = edited_->file().save_as(path, replaces);
+  if (!report) return tell(report.error());
+  saved_revision_ = desk_->state().revision;
+  autosave_->forget();
+  saved_as_ = path;
+  settings_.add_recent(path);
+  desk_->list_recent(settings_.recent_rigs);
+  tell(trf("saved {}", path));
 }
 
 // One fixture of its first mode, as the button of the library does.

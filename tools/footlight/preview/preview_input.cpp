@@ -41,7 +41,7 @@ PixelRect Preview::place() const {
 
 // Of the picture that is shown, which may be one behind the camera.
 StagePlace Preview::stage() const {
-  const int active = desk_->state().view;
+  const int active = active_view();
   const PixelRect where = place_of(active);
   const double scale = static_cast<double>(window_->pixels_per_unit());
   const auto& shown = views_[static_cast<std::size_t>(active)].shown;
@@ -101,11 +101,15 @@ void Preview::draw_ui(DurationNs dt_ns) {
     desk_->begin_gesture();
     chosen = found;
   }
+  const bool dialog_open = dialog_.is_open();
+  take_dialog();
   if (chosen) call(*chosen);
-  take_input(palette_open, dt_ns);
+  take_input(palette_open || dialog_open, dt_ns);
   // The last movement of a drag comes with the release.
   begin_gesture([](ImGuiMouseButton button) { return ImGui::IsMouseReleased(button); });
   draw_views();
+  follow_stage_compare();
+  draw_compared();
   draw_measures();
   if (const Selection& selection = desk_->state().selection; !selection.fixtures.empty()) {
     draw_marks(edited_->scene()->rig, pick(), stage(), selection, window_->ui_scale());
@@ -231,7 +235,8 @@ void Preview::take_input(bool typing, DurationNs dt_ns) {
   take_picture_requests();
   take_drops();
   const auto holders = [&] {
-    return KeyHolders{io.WantTextInput || typing || palette_.is_open(), asks_close_ || asked_next_.has_value(),
+    const bool types = io.WantTextInput || typing || palette_.is_open() || dialog_.is_open();
+    return KeyHolders{types, asks_close_ || asked_next_.has_value(),
                       handles_.dragging() || box_.dragging(), desk_->fly().on(), pressed_on_stage()};
   };
   // Before the mouse: Escape with the release of a drag in one picture puts it back.
@@ -263,7 +268,9 @@ void Preview::call(const UiCall& call) {
   switch (call.action) {
     case UiAction::kUndo: step_history(true); break;
     case UiAction::kRedo: step_history(false); break;
+    case UiAction::kOpen: open_dialog(FileDialog::Use::kOpen); break;
     case UiAction::kSave: save(); break;
+    case UiAction::kSaveAs: open_dialog(FileDialog::Use::kSave); break;
     case UiAction::kDelete:
       if (std::string news = delete_selected(*desk_); !news.empty()) tell(std::move(news));
       break;
@@ -293,6 +300,7 @@ void Preview::call(const UiCall& call) {
     case UiAction::kFloorLines: desk_->set_floor_lines(!desk_->floor_lines()); break;
     case UiAction::kCompare: compare_from_here(); break;
     case UiAction::kEndCompare: desk_->comparison() = {}; break;
+    case UiAction::kCompareStage: set_stage_compare(next_of(both_.mode())); break;
     case UiAction::kCamera: take_camera(static_cast<std::size_t>(call.argument)); break;
     case UiAction::kStoreCamera: store_new_camera(); break;
     case UiAction::kViewFrom: view_from_side(static_cast<ViewSide>(call.argument)); break;
@@ -331,7 +339,7 @@ void Preview::call(const UiCall& call) {
       break;
     case UiAction::kOpenRecent:
       if (const auto index = static_cast<std::size_t>(call.argument); index < desk_->recent_rigs().size()) {
-        ask_to_open({desk_->recent_rigs()[index], ""});
+        ask_to_open({desk_->recent_rigs()[index], "", ""});
       }
       break;
     case UiAction::kSidePanel:

@@ -252,7 +252,7 @@ Status Preview::open_levels(bool again) {
   }
   FL_ASSIGN(log_, open_scene_log(options_.files));
   if (log_) {
-    player_ = make_player(framed_);
+    player_ = make_player(framed_, *log_);
     facts_.has_log = true;
     controls_.transport.duration_ns = player_->duration_ns();
   } else {

@@ -42,7 +42,7 @@ Status Preview::follow_flashes() {
   bool changes = false;
   for (int i = 0; i < kViewsMax; ++i) {
     View& view = views_[static_cast<std::size_t>(i)];
-    const bool wanted = mode != FlashMode::kOff && i < desk_->views();
+    const bool wanted = mode != FlashMode::kOff && i < views();
     if (wanted ? view.flashes && view.flashes->limits() == limits : !view.flashes) continue;
     view.flashes_held = false;
     changes = true;
@@ -83,7 +83,9 @@ Busy Preview::busy() const {
   work.undone = edited_->scene() == framed_;
   work.can_undo = desk_->edited_last();
   if (player_) work.seeking = player_->seeking();
+  if (!work.seeking) work.seeking = both_.seeking();
   work.compiles = coming_.waits();
+  if (reading_compared_.valid()) work.reads_log = compared_path_;
   return busy_of(work);
 }
 
@@ -93,7 +95,9 @@ void Preview::cancel_busy() {
   if (!now.can_cancel) return;
   if (now.with == BusyWith::kKnobs) ask_for_quality({});
   if (now.with == BusyWith::kEdit) step_history(true);
-  controls_.transport.cancels_seek = now.with == BusyWith::kSeek;
+  if (now.with != BusyWith::kSeek) return;
+  controls_.transport.cancels_seek = player_ && player_->seeking();
+  if (!controls_.transport.cancels_seek) set_stage_compare(StageCompare::kOff);
 }
 
 // The curves of this machine, which take seconds to measure the first time. Any thread.

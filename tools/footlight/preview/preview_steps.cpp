@@ -25,10 +25,10 @@ std::optional<fixtures::VrslReplay> Preview::vrsl_replay(const PreviewScene& sce
   return fixtures::VrslReplay(*scene.written, scene.compiled);
 }
 
-// Of the log that was opened first, whatever has become of its file since. Any thread.
-std::unique_ptr<LogPlayer> Preview::make_player(SharedScene scene) {
-  const auto read = [this, scene = std::move(scene)] {
-    Timeline timeline(log_->again(), scene->compiled, vrsl_replay(*scene));
+// The log is the file that was opened, whatever has become of its name since. Any thread.
+std::unique_ptr<LogPlayer> Preview::make_player(SharedScene scene, const LogReader& log) {
+  const auto read = [reader = std::make_shared<const LogReader>(log.again()), scene = std::move(scene)] {
+    Timeline timeline(reader->again(), scene->compiled, vrsl_replay(*scene));
     timeline.pass_over(fixtures::pixel_universes(scene->rig, scene->compiled));
     return timeline;
   };
@@ -96,13 +96,22 @@ void Preview::give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool 
   }
   if (recording_ && !player_) recording_->take(step_ns_, framed_->compiled.universes, levels);
   step_ns_ += dt_ns;
-  frame_->step(levels, dt_ns, new_exposure);
+  if (both_.holds_steps()) {
+    both_.hold(levels, dt_ns, new_exposure);
+  } else {
+    frame_->step(levels, dt_ns, new_exposure);
+  }
   panels_.step(levels, dt_ns, new_exposure);
+}
+
+// As they came, of the rig of the frame.
+std::span<const std::uint8_t> Preview::newest_levels() const {
+  return live_ ? live_->levels() : hand_ ? hand_->levels() : player_->levels();
 }
 
 // The newest levels, as the panels show them.
 std::span<const std::uint8_t> Preview::panel_levels() {
-  const std::span<const std::uint8_t> newest = live_ ? live_->levels() : hand_ ? hand_->levels() : player_->levels();
+  const std::span<const std::uint8_t> newest = newest_levels();
   const auto& universes = desk_->compiled().universes;
   const auto& given = framed_->compiled.universes;
   if (!overlays() && universes == given) return newest;
@@ -159,7 +168,7 @@ Status Preview::step_meanwhile() {
   if (thumbnails_.in_flight()) return {};  // the frame has the states of another time
   const DurationNs dt_ns = last_ns_ - stepped_ns_;
   const bool edited = edited_->scene() != framed_ && edited_->scene() != failed_;
-  if (edited || dt_ns < kMeanwhileNs || frame_->steps_are_due()) return {};
+  if (edited || dt_ns < kMeanwhileNs || steps_wait()) return {};
   LogPlayer::Driven holding = driven();
   holding.holds_steps = true;
   if (player_ && !player_->can_hold(controls_.transport, dt_ns, holding)) return {};

@@ -21,6 +21,7 @@
 #include "tools/footlight/preview/display_loss.h"
 #include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/words.h"
+#include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -50,6 +51,7 @@ bool lost(const std::unique_ptr<render::vk::Device>& device) { return device && 
 
 Result<int> Preview::run() {
   const Result<int> result = open_and_turn();
+  closed_ = true;
   outputs_.reset();  // also after an error: real lamps go dark before anything else is waited for
   end_recording();
   report_recording(true);
@@ -68,7 +70,12 @@ Result<int> Preview::open_and_turn() {
     window_device_->lose_after(std::strtoull(submits, nullptr, 10));
   }
   if (!options_.record.empty()) FL_TRY(start_recording(options_.record));
-  if (!options_.compare.empty()) FL_TRY(compare_with(options_.compare));
+  if (!options_.compare.empty()) {
+    FL_TRY(compare_with(options_.compare));
+    FL_TRY(take_compared_log());
+  }
+  FL_ASSIGN(const StageCompare compares, stage_compare_of(options_.compare_stage));
+  if (compares != StageCompare::kOff) set_stage_compare(compares);
   while (!signal.came() && !((window_->wants_close() || closing_) && may_close())) {
     Status turned = turn();
     if (!turned) window_->poll();  // Vulkan may see it first
@@ -142,9 +149,9 @@ Status Preview::turn() {
   if (window_->minimised()) return {};
   const TimeNs shows_ns = clock_.now_ns();
   std::array<PixelRect, kViewsMax> places;
-  const auto views = static_cast<std::size_t>(desk_->views());
-  for (std::size_t i = 0; i < views; ++i) places[i] = place_of(static_cast<int>(i));
-  FL_ASSIGN(const Window::Shown shown, window_->show(std::span(places).first(views)));
+  const auto count = static_cast<std::size_t>(views());
+  for (std::size_t i = 0; i < count; ++i) places[i] = place_of(static_cast<int>(i));
+  FL_ASSIGN(const Window::Shown shown, window_->show(std::span(places).first(count)));
   presented_ = shown == Window::Shown::kNew;
   if (presented_) show_times_.add(static_cast<double>(clock_.now_ns() - shows_ns) * 1e-6);
   if (presented_) shot_taken_ = std::exchange(shot_asked_, false);
@@ -167,6 +174,7 @@ Status Preview::turn_stage(const PixelRect& where) {
     picture_since_ns_ = -1;  // the time until the next picture is not its own
     return {};
   }
+  FL_TRY(both_.release(*frame_));
   FL_TRY(follow_views());
   FL_TRY(follow_flashes());
   if (fits_controls(where)) {
@@ -208,7 +216,7 @@ bool Preview::fits_controls(const PixelRect& where) {
   drawn.divisor = knobs.divisor;  // a part of the size
   if (knobs.gobo_method == render::GoboMethod::kSuited) drawn.gobo_method = knobs.gobo_method;
   const bool settled =
-      (last_ns_ - wanted_since_ns_ >= kSettleNs || sized_views_ != desk_->views()) && !window_->minimised();
+      (last_ns_ - wanted_since_ns_ >= kSettleNs || sized_views_ != views()) && !window_->minimised();
   return drawn == knobs && wanted.edge_samples == settings.edge_samples && wanted.bounce == settings.bounce &&
          wanted.shadows == settings.shadows && controls_.haze == settings.haze && !other_display(controls_, settings) &&
          !(other_size && settled);
@@ -219,15 +227,22 @@ Status Preview::draw() {
   const VkImage screen = frame_->resources().picture.screen.handle;
   const render::FrameSettings& settings = frame_->settings();
   drawn_ns_ = last_ns_;
-  const int active = desk_->state().view;
-  drawn_view_ = view_turns_.next(desk_->views(), active);
-  drawn_camera_ = desk_->camera_of(drawn_view_);
+  drawn_compare_ = both_.mode();
+  if (both_.on()) {
+    FL_TRY(begin_compared());
+    if (!drawn_camera_) return {};
+  } else {
+    const int active = desk_->state().view;
+    drawn_view_ = view_turns_.next(desk_->views(), active);
+    drawn_camera_ = desk_->camera_of(drawn_view_);
+    drawn_main_ = drawn_view_ == active;
+  }
   if (picture_since_ns_ < 0) picture_since_ns_ = drawn_ns_;
   return picture_->begin(screen, settings.width, settings.height, [&](VkCommandBuffer commands) {
     frame_->set_haze_per_m(haze_per_m());
     frame_->set_work_light_lx(controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0);
-    frame_->record(commands, render::view_of(drawn_camera_->camera()), controls_.exposure_ev, drawn_view_ == active);
-    error_drawn_ = error_ && drawn_view_ == active;
+    frame_->record(commands, render::view_of(drawn_camera_->camera()), controls_.exposure_ev, drawn_main_);
+    error_drawn_ = error_ && drawn_main_;
     if (error_drawn_) error_->record(commands);
     render::vk::full_barrier(commands);
     const VkBufferCopy region{0, 0, sizeof(render::CountsRow)};
@@ -246,6 +261,10 @@ Status Preview::take_picture() {
   const HostPicture picture = picture_->take();
   FL_TRY(read_picture());
   View& view = views_[static_cast<std::size_t>(drawn_view_)];
+  if (AsideStage* const aside = both_.inside()) FL_TRY(aside->leave(*frame_));
+  if (drawn_compare_ != both_.mode()) return {};
+  if (both_.on()) both_.end();
+  if (drawn_compare_ == StageCompare::kDifference) return take_difference(picture);
   ++view.pictures;
   PreviewFlashes* flashes = view.flashes.get();
   // It was begun before they were to be held back, and nothing has looked at it.
@@ -261,7 +280,7 @@ Status Preview::take_picture() {
     tell_flashes(flashes->watch().stretches().size() > stretches);
     if (view.flashes_held) return {};
   }
-  if (drawn_view_ >= desk_->views()) return {};  // it was closed meanwhile
+  if (drawn_view_ >= views()) return {};  // it was closed meanwhile
   view.shown = drawn_camera_;
   shows_rough_ = is_rough_;
   return window_->set_picture(drawn_view_, picture);
@@ -284,10 +303,11 @@ Status Preview::read_picture() {
     passes.push_back({"error", error_->gpu_ms()});
   }
   // Those of the active view, which alone has its error measured.
-  if (drawn_view_ == desk_->state().view) facts_.passes = std::move(passes);
-  if (reports() && drawn_view_ == desk_->state().view) read_report(gpu_ms);
+  if (drawn_main_) facts_.passes = std::move(passes);
+  if (reports() && drawn_main_) read_report(gpu_ms);
   render::CountsRow counts{};
   std::memcpy(&counts, counts_.mapped, sizeof(counts));
+  if (both_.on() && !drawn_main_) return {};
   facts_.live_beams = counts.live_count;
   facts_.dark_beams = counts.dark_count;
   facts_.shadows = counts.shadows;
@@ -303,8 +323,9 @@ void Preview::read_second() {
   if (last_ns_ - facts_.now_ns < kFactsNs) return;  // ages that change more often cannot be read, and cost a redraw
   facts_.now_ns = last_ns_;
   facts_.room_haze_per_m = haze_per_m();
-  // During a small picture the frame has the air of another time.
-  if (const fixtures::MachineAir* air = frame_->machine_air(); air != nullptr && !thumbnails_.in_flight()) {
+  // During a small picture, and one of A of a comparison, the frame has the air of another time.
+  const bool is_own = !thumbnails_.in_flight() && both_.inside() == nullptr;
+  if (const fixtures::MachineAir* air = frame_->machine_air(); air != nullptr && is_own) {
     facts_.machines = air->count();
     facts_.machine_haze_per_m = air->haze_per_m();
     facts_.machine_fog_per_m = air->fog_per_m();
@@ -337,6 +358,11 @@ void Preview::tell_flashes(bool begins) {
     facts_.flashes_harmful = facts_.flashes_harmful || view.flashes->watch().harmful();
     facts_.flashes_held = facts_.flashes_held || view.flashes_held;
     limits = view.flashes->limits();
+  }
+  if (both_.watch() != nullptr) {
+    facts_.flashes_harmful = facts_.flashes_harmful || both_.watch()->harmful();
+    facts_.flashes_held = facts_.flashes_held || both_.held_back();
+    limits = limits || desk_->flashes() == FlashMode::kLimit;
   }
   if (!begins) return;
   if (options_.json) {
@@ -398,6 +424,7 @@ Status Preview::rebuild(const PixelRect& where) {
   error_.reset();
   error_tried_ = error_begun_ = error_drawn_ = false;
   thumbnails_.drop_frame();
+  both_.begin_anew();
   if (frame_) {
     FL_TRY(frame_->change(settings));
   } else {
@@ -411,7 +438,7 @@ Status Preview::rebuild(const PixelRect& where) {
   picture_since_ns_ = -1;
   wanted_width_ = where.width;
   wanted_height_ = where.height;
-  sized_views_ = desk_->views();
+  sized_views_ = views();
   return {};
 }
 
@@ -450,6 +477,7 @@ Status Preview::replace_stage() {
   if (device_) messages_before_ += device_->validation_messages().size();
   drop_frame();
   thumbnails_.drop_frame();
+  both_.lose_frame();
   picture_.reset();
   const bool measures = facts_.measures_knobs;
   drop_curves();
@@ -468,7 +496,8 @@ Status Preview::replace_stage() {
   FL_TRY(rebuild(place_of(0)));
   if (before != framed_) {
     FL_TRY(take_scene(*before));
-    if (player_) player_ = make_player(framed_);
+    if (player_) player_ = make_player(framed_, *log_);
+    both_.change_rig();
     curve_.reset();
     thumbnails_.clear();
   }
@@ -486,6 +515,7 @@ constexpr double kSecondsLeast = 1e-3;  // of --seconds that are over: 0 is with
 void leave_to_next(PreviewOptions& options, const Preview& preview) {
   options.record.clear();
   options.compare.clear();
+  options.compare_stage = word_of(StageCompare::kOff);
   options.recover = false;
   options.at_ns = 0;
   options.news.clear();
@@ -505,6 +535,10 @@ PreviewOptions options_for(PreviewOptions options, const Preview::Next& next) {
     options.select.clear();
   } else {
     options.files.log = next.log;
+    if (!next.saved_as.empty()) {
+      options.files.rig = next.saved_as;
+      options.files.demo = false;
+    }
     std::erase_if(options.ins, [](const std::string& text) { return !Preview::controls(text); });
   }
   return options;
@@ -513,8 +547,10 @@ PreviewOptions options_for(PreviewOptions options, const Preview::Next& next) {
 }  // namespace
 
 Result<int> run_preview(const PreviewOptions& options) {
-  FL_TRY(choose_words(options.language));
+  FL_ASSIGN(const std::string note, choose_words(options.language));
+  if (!note.empty()) fmt::print(stderr, "footlight: {}\n", printable_utf8(note));
   PreviewOptions now = options;
+  if (now.news.empty()) now.news = note;
   std::optional<PreviewOptions> before;  // of the window before, if this one was opened from it
   int worst = kExitOk;
   while (true) {

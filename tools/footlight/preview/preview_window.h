@@ -43,8 +43,10 @@
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
 #include "tools/footlight/preview/recording.h"
+#include "tools/footlight/preview/stage_comparison.h"
 #include "tools/footlight/preview/stage_picture.h"
 #include "tools/footlight/preview/ui/draw_busy.h"
+#include "tools/footlight/preview/ui/file_dialog.h"
 #include "tools/footlight/preview/ui/inputs_view.h"
 #include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/messages.h"
@@ -68,8 +70,9 @@ class Preview {
  public:
   // The rig or log that the user opened instead; the window has closed for it.
   struct Next {
-    std::string rig;  // empty: the same one
-    std::string log;  // empty: none
+    std::string rig;       // empty: the same one
+    std::string log;       // empty: none
+    std::string saved_as;  // with `log`: where the rig was saved since; empty: nowhere else
   };
   [[nodiscard]] const std::optional<Next>& next() const { return next_; }
   // A picture was shown.
@@ -152,12 +155,13 @@ class Preview {
   Status step_levels();
   Status step_meanwhile();
   void show_videos();
-  [[nodiscard]] std::unique_ptr<LogPlayer> make_player(SharedScene scene);
+  [[nodiscard]] std::unique_ptr<LogPlayer> make_player(SharedScene scene, const LogReader& log);
   [[nodiscard]] LogPlayer::Driven driven();
   Status work_at_index();
   Status take_thumbnail();
   Status begin_thumbnail();
   void give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure);
+  [[nodiscard]] std::span<const std::uint8_t> newest_levels() const;
   [[nodiscard]] std::span<const std::uint8_t> panel_levels();
   [[nodiscard]] bool overlays() const;
   void lay_over(std::span<const Universe> universes, std::span<std::uint8_t> levels);
@@ -232,8 +236,21 @@ class Preview {
   void show_handles(bool on);
   // Comparisons: preview_compare.cpp.
   void compare_from_here();
+  void keep_this_moment();
   Status compare_with(const std::string& path);
+  Status take_compared_log();
   void follow_compared_log();
+  [[nodiscard]] TimeNs compared_time_ns() const;
+  // On the stage: preview_stage_compare.cpp.
+  void set_stage_compare(StageCompare mode);
+  void follow_stage_compare();
+  Status begin_compared();
+  Status take_difference(const HostPicture& picture);
+  [[nodiscard]] LogPlayer::Driven driven_aside();
+  [[nodiscard]] bool steps_wait() const {
+    return both_.holds_steps() ? both_.is_full() : frame_->steps_are_due();
+  }
+  void draw_compared();
   void draw_measures();
   void step_history(bool back);
   void call(const UiCall& call);
@@ -251,7 +268,10 @@ class Preview {
   void tell(const Error& error);
   // Of all views, and of one; stage() is the active one.
   [[nodiscard]] PixelRect place() const;
-  [[nodiscard]] PixelRect place_of(int view) const { return view_place(place(), desk_->views(), view); }
+  [[nodiscard]] PixelRect place_of(int view) const { return view_place(place(), views(), view); }
+  // How many are shown, and which of them keys and the mouse belong to: those of the desk, or A and B.
+  [[nodiscard]] int views() const;
+  [[nodiscard]] int active_view() const;
   [[nodiscard]] StagePlace stage() const;
   // Several views: preview_views.cpp.
   void start_views();
@@ -274,6 +294,10 @@ class Preview {
 
   // Files that are dropped on the window, and rigs that are opened again: preview_files.cpp.
   void take_drops();
+  void open_dropped(const std::string& path);
+  void open_dialog(FileDialog::Use use);
+  void take_dialog();
+  void save_as(const std::string& path, bool replaces);
   void add_definition(const std::string& path);
   void ask_to_open(Next next);
   void draw_open_question();
@@ -318,6 +342,10 @@ class Preview {
   OutputsView outputs_view_;
   std::unique_ptr<ComparedLog> compared_;  // whose levels are A of the comparison; null: none
   TimeNs compared_since_ns_ = 0;           // without a log that plays: when it began
+  std::future<Result<LogReader>> reading_compared_;  // valid: it is read
+  std::string compared_path_;
+  StageComparison both_;  // A and B on the stage; ends before frame_
+  int compared_view_ = 0;  // the active one of both
   DisplayVideos videos_;             // of displays; without those that have failed
   bool outputs_told_ = false;        // that there are some, with the first picture
   TimeNs looked_ns_ = 0;             // for devices that are plugged in
@@ -339,6 +367,8 @@ class Preview {
   TimeNs drawn_ns_ = 0;                      // when the newest picture was started
   std::optional<OrbitCamera> drawn_camera_;  // of it
   int drawn_view_ = 0;                       // of it
+  bool drawn_main_ = true;                   // figures of the stage are those of it
+  StageCompare drawn_compare_ = StageCompare::kOff;  // of it
   // A view of the stage. All are drawn by frame_, in turn, and have the same size.
   struct View {
     std::optional<OrbitCamera> shown;         // camera of the picture that the window shows; nothing: there is none
@@ -411,11 +441,14 @@ class Preview {
   UiPanels panels_;
   PictureShelf pictures_;
   Palette palette_;
+  FileDialog dialog_;
+  std::string saved_as_;       // where the rig was saved since it was opened; empty: nowhere else
   std::unique_ptr<StagePick> pick_;  // made by the first selection
   StageHandles handles_;
   StageBox box_;
   std::vector<std::uint8_t> overlaid_;  // levels with what was taken over
   std::vector<std::uint8_t> panel_levels_;
+  std::vector<std::uint8_t> aside_levels_;
   std::array<bool, 3> pressed_on_stage_{};  // buttons of the mouse
   bool selects_more_ = false;               // Ctrl or Shift was held at the last press
   bool shot_asked_ = false;                 // the next picture is kept

@@ -21,10 +21,12 @@ bool is_possible(const KeyRow& row, const UiDesk& desk, bool has_log, const Outp
   switch (row.call.action) {
     case UiAction::kUndo: return desk.history().next_undo() != nullptr;
     case UiAction::kRedo: return desk.history().next_redo() != nullptr;
-    case UiAction::kSave: return desk.can_edit();
+    case UiAction::kSave:
+    case UiAction::kSaveAs: return desk.can_edit();
     case UiAction::kStoreCamera: return desk.can_edit();
     case UiAction::kDelete: return desk.can_edit() && !desk.selected().empty();
     case UiAction::kNudge: return desk.can_edit() && !desk.selected().empty();
+    case UiAction::kCompareStage:
     case UiAction::kCompare: return !desk.compiled().universes.empty();
     case UiAction::kEndCompare: return desk.comparison().a.has_value();
     case UiAction::kReleaseAll: return !desk.state().taken.empty();

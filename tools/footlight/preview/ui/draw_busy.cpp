@@ -32,6 +32,7 @@ Busy busy_of(const BusyWork& work) {
   if (work.compiles) {
     return {BusyWith::kShaders, tr("compiling shaders; the picture goes on as it was"), std::nullopt, false};
   }
+  if (work.reads_log) return {BusyWith::kLog, trf("reading {}", *work.reads_log), std::nullopt, false};
   return {};
 }
 

@@ -9,7 +9,7 @@
 
 namespace footlight::tools {
 
-enum class BusyWith { kNothing, kSeek, kEdit, kKnobs, kShaders };
+enum class BusyWith { kNothing, kSeek, kEdit, kKnobs, kShaders, kLog };
 
 struct Busy {
   BusyWith with = BusyWith::kNothing;
@@ -26,6 +26,7 @@ struct BusyWork {
   bool can_undo = false;              // the edit is the newest command
   std::optional<Transport::Seeking> seeking;
   bool compiles = false;  // what a frame of other settings needs
+  std::optional<std::string> reads_log;  // the path of a log to compare with
 };
 // What is shown of it, and cancelled: a measurement and edits come first, since fixtures and a seek stand still
 // meanwhile.

@@ -46,17 +46,26 @@ void draw_go(const UiInput& input, const KeptLevels& kept) {
 
 }  // namespace
 
+// Another log is compared in its universes alone: those that were made up for faders are in no log.
+MomentDifference CompareView::of(const KeptLevels& a, const LevelView& b) {
+  if (a.log.empty() || std::equal(b.universes.begin(), b.universes.end(), a.moment.universes.begin(),
+                                  a.moment.universes.end())) {
+    return compare_moments(a.moment, b);
+  }
+  return compare_moments(a.moment, only_of(b, a.moment.universes));
+}
+
 bool CompareView::take(const UiDesk& desk, const UiInput& input, bool frozen) {
   const LevelComparison& both = desk.comparison();
   if (!both.a || both.b) {
-    difference_ = both.a ? compare_moments(both.a->moment, both.b->moment) : MomentDifference{};
+    difference_ = both.a ? of(*both.a, both.b->moment) : MomentDifference{};
     a_.reset();
     return false;
   }
   if (frozen && a_ && !both.a->log.empty()) return false;
   const bool same = a_ && *a_ == both.a->moment;
   if (frozen && same) return false;
-  difference_ = compare_moments(both.a->moment, LevelView(desk.compiled().universes, input.levels));
+  difference_ = of(*both.a, LevelView(desk.compiled().universes, input.levels));
   if (!same) a_ = both.a->moment;
   return frozen;
 }

@@ -22,6 +22,8 @@ class CompareView {
   [[nodiscard]] const MomentDifference& difference() const { return difference_; }
 
  private:
+  [[nodiscard]] static MomentDifference of(const KeptLevels& a, const LevelView& b);
+
   MomentDifference difference_;
   std::optional<LevelMoment> a_;  // that was compared with now last; nothing: B was a kept moment, or there was no A
 };

@@ -16,6 +16,7 @@
 #include "fixtures/edit/patch_slots.h"
 #include "fixtures/paperwork/patch_sheet.h"
 #include "tools/footlight/preview/ui/known_texts.h"
+#include "tools/footlight/preview/ui/name_order.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/rig_editor.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
@@ -43,31 +44,6 @@ constexpr std::array<const char*, kColumnCount> kHeads{tr_mark("Id"),   tr_mark(
 std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
-}
-
-// "Spot 9" before "Spot 10": numbers by their value, the rest by its letters.
-bool before_in_words(std::string_view a, std::string_view b) {
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  while (!a.empty() && !b.empty()) {
-    if (digit(a.front()) && digit(b.front())) {
-      const auto number = [&](std::string_view& text) {
-        text.remove_prefix(std::min(text.find_first_not_of('0'), text.size()));
-        std::size_t end = 0;
-        while (end < text.size() && digit(text[end])) ++end;
-        const std::string_view digits = text.substr(0, end);
-        text.remove_prefix(end);
-        return digits;
-      };
-      const std::string_view x = number(a);
-      const std::string_view y = number(b);
-      if (x != y) return x.size() != y.size() ? x.size() < y.size() : x < y;
-      continue;
-    }
-    if (a.front() != b.front()) return a.front() < b.front();
-    a.remove_prefix(1);
-    b.remove_prefix(1);
-  }
-  return a.size() < b.size();
 }
 
 class FixturesPanel final : public Panel {
@@ -204,11 +180,11 @@ class FixturesPanel final : public Panel {
     const fixtures::PatchRow& x = row_at(a);
     const fixtures::PatchRow& y = row_at(b);
     switch (column) {
-      case kColumnId: return before_in_words(x.id, y.id);
-      case kColumnName: return before_in_words(x.name, y.name);
-      case kColumnType: return before_in_words(x.type, y.type);
-      case kColumnMode: return before_in_words(x.mode, y.mode);
-      case kColumnPlace: return before_in_words(x.place, y.place);
+      case kColumnId: return compare_names(x.id, y.id) < 0;
+      case kColumnName: return compare_names(x.name, y.name) < 0;
+      case kColumnType: return compare_names(x.type, y.type) < 0;
+      case kColumnMode: return compare_names(x.mode, y.mode) < 0;
+      case kColumnPlace: return compare_names(x.place, y.place) < 0;
       case kColumnX: return x.position_m.x < y.position_m.x;
       case kColumnY: return x.position_m.y < y.position_m.y;
       case kColumnZ: return x.position_m.z < y.position_m.z;

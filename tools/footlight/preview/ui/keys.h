@@ -14,7 +14,9 @@ namespace footlight::tools {
 enum class UiAction {
   kUndo,
   kRedo,
+  kOpen,  // a file, by a dialog
   kSave,
+  kSaveAs,  // the rig in another file, by a dialog
   kDelete,  // what is selected
   kSelectAll,
   kHighlight,
@@ -33,6 +35,7 @@ enum class UiAction {
   kFloorLines,
   kCompare,  // keeps this moment, to compare it with now
   kEndCompare,
+  kCompareStage,  // A and B beside each other, their difference, neither
   kWorkLight,
   kFlashes,  // the next mode of harmful flashes
   kBrighter,
@@ -76,7 +79,7 @@ struct UiCall {
 [[nodiscard]] constexpr int nudge_axis(int argument) { return argument / 2; }
 [[nodiscard]] constexpr double nudge_sign(int argument) { return argument % 2 == 0 ? 1 : -1; }
 
-enum class UiMenu { kNone, kEdit, kView, kPlayback, kOutputs };
+enum class UiMenu { kNone, kFile, kEdit, kView, kPlayback, kOutputs };
 
 struct KeyRow {
   int key;  // as KeyPress has it

@@ -19,12 +19,15 @@ struct KeptLevels {
   std::optional<TimeNs> log_ns;
   std::string log;           // name of another log whose levels these are, at any time; empty: a moment that was kept
   DurationNs offset_ns = 0;  // then: its time minus that of the window
+  std::uint64_t number = 0;  // of next_kept_number(): another one is another moment or log
 };
 
 struct LevelComparison {
   std::optional<KeptLevels> a;  // nothing: nothing is compared
   std::optional<KeptLevels> b;  // nothing: now
 };
+
+[[nodiscard]] std::uint64_t next_kept_number();
 
 // log_ns: the time of the log that plays; nothing: there is none.
 [[nodiscard]] KeptLevels keep_levels(const std::vector<Universe>& universes, std::span<const std::uint8_t> levels,

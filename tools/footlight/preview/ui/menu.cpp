@@ -118,8 +118,10 @@ void draw_exchange(ExchangeView& exchange) {
 }
 
 void draw_file(const UiDesk& desk, ExchangeView* exchange, std::optional<UiCall>& chosen) {
+  draw_rows(UiMenu::kFile, desk, nullptr, chosen);
+  if (exchange != nullptr) ImGui::Separator();
   if (exchange != nullptr) draw_exchange(*exchange);
-  if (exchange != nullptr && !desk.recent_rigs().empty()) ImGui::Separator();
+  if (!desk.recent_rigs().empty()) ImGui::Separator();
   if (!desk.recent_rigs().empty()) draw_recent(desk, chosen);
 }
 
@@ -158,8 +160,7 @@ std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool h
                                 ExchangeView* exchange) {
   std::optional<UiCall> chosen;
   const auto rows = [&](UiMenu menu) { return [&, menu] { draw_rows(menu, desk, outputs, chosen); }; };
-  const std::array<Menu, 6> menus{{{tr_label("File"), exchange != nullptr || !desk.recent_rigs().empty(),
-                                    [&] { draw_file(desk, exchange, chosen); }},
+  const std::array<Menu, 6> menus{{{tr_label("File"), true, [&] { draw_file(desk, exchange, chosen); }},
                                    {tr_label("Panels"), true, [&] { draw_panel_rows(open, chosen); }},
                                    {tr_label("Edit"), true, rows(UiMenu::kEdit)},
                                    {tr_label("View"), true, rows(UiMenu::kView)},

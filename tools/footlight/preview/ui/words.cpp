@@ -9,6 +9,8 @@
 #include <libintl.h>
 #include <locale.h>
 
+#include "tools/footlight/preview/catalog_file.h"
+
 namespace footlight::tools {
 namespace {
 
@@ -203,7 +205,26 @@ std::string language_of(const std::function<const char*(const char*)>& variable,
   return "";
 }
 
+namespace {
+
+fs::path catalog_path(const std::string& language, const std::string& folder) {
+  return fs::path(folder) / language / "LC_MESSAGES" / (std::string(kDomain) + ".mo");
+}
+
+// Of the files that gettext takes texts from: "pt_BR", and "pt" for what that lacks.
+Status check_catalogs(const std::string& language, const std::string& folder) {
+  for (const std::string& one : {language, language.substr(0, language.find('_'))}) {
+    const fs::path path = catalog_path(one, folder);
+    std::error_code trouble;
+    if (fs::exists(path, trouble)) FL_TRY(check_catalog_file(path.string()));
+  }
+  return {};
+}
+
+}  // namespace
+
 Result<std::unique_ptr<Words>> open_words(const std::string& language, const std::string& folder) {
+  FL_TRY(check_catalogs(language, folder));
   const char* const set = std::getenv("LANGUAGE");
   const std::optional<std::string> before = set != nullptr ? std::optional<std::string>(set) : std::nullopt;
   (void)setenv("LANGUAGE", language.c_str(), 1);
@@ -231,7 +252,7 @@ std::string words_folder() {
   return (program.parent_path().parent_path() / "share" / "locale").string();
 }
 
-Status choose_words(const std::string& language, const std::string& folder) {
+Result<std::string> choose_words(const std::string& language, const std::string& folder) {
   const std::vector<std::string> languages = languages_in(folder);
   std::string chosen = language;
   if (language.empty()) {
@@ -244,13 +265,15 @@ Status choose_words(const std::string& language, const std::string& folder) {
   }
   if (chosen.empty() || chosen == "en") {
     use_words(nullptr);
-    return {};
+    return std::string();
   }
   auto words = open_words(chosen, folder);
   if (!words && !language.empty())
     return fail(words.error().code, "--language {}: {}", language, words.error().message);
+  const bool damaged = !words && words.error().code != ErrorCode::kUnsupported;
+  std::string note = damaged ? words.error().message + "; the window is in English" : "";
   use_words(words ? std::move(*words) : nullptr);
-  return {};
+  return note;
 }
 
 }  // namespace footlight::tools

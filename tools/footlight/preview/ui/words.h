@@ -99,12 +99,16 @@ template <std::integral Count, class... Args>
 // Empty: English. variable: as getenv().
 [[nodiscard]] std::string language_of(const std::function<const char*(const char*)>& variable,
                                       const std::vector<std::string>& languages);
-// Of one of languages_in(). Sets LANGUAGE of the environment and no locale, so numbers in files do not change.
+// Of one of languages_in(). Sets LANGUAGE of the environment and no locale, so numbers in files do not change. Errors:
+// those of check_catalog_file(); kUnsupported: this system has no locale for it.
 [[nodiscard]] Result<std::unique_ptr<Words>> open_words(const std::string& language, const std::string& folder);
 
 // The catalogs of this program: share/locale beside the folder of the program.
 [[nodiscard]] std::string words_folder();
-// What --language asks for; empty: the environment; "en": English. kBadInput names the languages that there are.
-[[nodiscard]] Status choose_words(const std::string& language, const std::string& folder = words_folder());
+// What --language asks for; empty: the environment; "en": English. kBadInput names the languages that there are, or the
+// catalog that is damaged. Returns a message for the user, usually none: where the environment asks for a language
+// whose catalog is damaged, words are English.
+[[nodiscard]] Result<std::string> choose_words(const std::string& language,
+                                               const std::string& folder = words_folder());
 
 }  // namespace footlight::tools
