@@ -79,6 +79,10 @@ TEST_CASE("the list of actions has every key that the table shows, every panel a
     ++expected;
     CHECK_MESSAGE(has(row.call), row.does);
   }
+  for (const CommandRow& row : command_rows()) {
+    ++expected;
+    CHECK_MESSAGE(has(row.call), row.does);
+  }
   CHECK(items.size() == expected);
   for (std::size_t i = 0; i < panels().size(); ++i) CHECK(has({UiAction::kPanel, static_cast<int>(i)}));
   CHECK(has({UiAction::kCamera, 0}));

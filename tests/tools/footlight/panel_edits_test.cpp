@@ -273,6 +273,25 @@ TEST_CASE("the question before closing has three answers, and goes away with one
   }
 }
 
+TEST_CASE("the line about lost edits recovers, keeps or discards them by one click each") {
+  for (const auto& [button, expected] :
+       {std::pair("###Recover", LostAnswer::kRecover), std::pair("###Keep", LostAnswer::kKeep),
+        std::pair("###Discard", LostAnswer::kDiscard)}) {
+    EditUi ui(parsed_rig(kUiRig));
+    std::optional<LostAnswer> answer;
+    ui.more = [&] {
+      if (const auto one = draw_lost_edits("12:31", false, 1)) answer = one;
+    };
+    for (int i = 0; i < 3; ++i) ui.frame();
+    CHECK(contains(ui.words(), "automatic copy of 12:31."));
+    CHECK(!answer);
+    footlight::testing::activate("lost edits", {button});
+    ui.frame();
+    ui.frame();
+    CHECK(answer == expected);
+  }
+}
+
 TEST_CASE("10,000 fixtures are edited and listed") {
   EditUi ui(many_fixtures(10'000).rig);
   ui.show(kFixtures);

@@ -13,6 +13,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/tools/footlight/ui_rigs.h"
 #include "tools/footlight/preview/dropped_file.h"
+#include "tools/footlight/preview/next_window.h"
 #include "tools/footlight/preview/preview.h"
 
 namespace footlight::tools {
@@ -61,6 +62,32 @@ TEST_CASE("the next window looks as the user left the one before, where options 
   CHECK(options.theme == "light");
   CHECK(options.ui_percent == 150);
   CHECK(options.views == 2);
+}
+
+TEST_CASE("lost edits are recovered in a window of the same rig, log and inputs, another rig leaves the log") {
+  PreviewOptions before;
+  before.files.rig = "club.toml";
+  before.files.log = "monday.dmxlog";
+  before.ins = {"osc:9000"};
+  before.camera = "stalls";
+  before.hold_to_live = true;
+  const PreviewOptions again = options_for(before, {"", "", true});
+  CHECK(again.recover);
+  CHECK(again.files.rig == "club.toml");
+  CHECK(again.files.log == "monday.dmxlog");
+  CHECK(again.ins == before.ins);
+  CHECK(again.camera == "stalls");
+  const PreviewOptions other = options_for(before, {"tour.mvr", ""});
+  CHECK(!other.recover);
+  CHECK(other.files.rig == "tour.mvr");
+  CHECK(other.files.log.empty());
+  CHECK(other.camera.empty());
+  CHECK(other.hold_to_live);
+  before.ins.push_back("sacn:1");
+  const PreviewOptions with_log = options_for(before, {"", "tuesday.dmxlog"});
+  CHECK(with_log.files.rig == "club.toml");
+  CHECK(with_log.files.log == "tuesday.dmxlog");
+  CHECK(with_log.ins == std::vector<std::string>{"osc:9000"});
 }
 
 TEST_CASE("settings that are wrong name the line and what is expected") {

@@ -28,7 +28,7 @@ void Preview::take_drops() {
     } else if (*kind == DroppedKind::kDefinition) {
       add_definition(path);
     } else {
-      ask_to_open(*kind == DroppedKind::kRig ? Next{path, ""} : Next{"", path});
+      ask_to_open(*kind == DroppedKind::kRig ? NextWindow{path, ""} : NextWindow{"", path});
     }
   }
 }
@@ -49,7 +49,7 @@ void Preview::add_definition(const std::string& path) {
            fixtures::mode_of(desk_->edited(), one).name, fixtures::text_of_patch(one)));
 }
 
-void Preview::ask_to_open(Next next) {
+void Preview::ask_to_open(NextWindow next) {
   std::error_code trouble;
   const std::string& path = next.rig.empty() ? next.log : next.rig;
   if (!std::filesystem::exists(path, trouble)) return tell(trf("{}: there is no such file", path), true);

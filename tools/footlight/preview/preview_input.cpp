@@ -348,7 +348,8 @@ void Preview::call(const UiCall& call) {
     case UiAction::kShot: shot_asked_ = true; break;
     case UiAction::kBlackout:
     case UiAction::kEndBlackout:
-    case UiAction::kDisarm: break;  // of call_outputs()
+    case UiAction::kDisarm:
+    case UiAction::kHoldToLive: break;  // of call_outputs()
     case UiAction::kRecord: toggle_recording(); break;
     case UiAction::kTap: tap(); break;
     case UiAction::kPalette: palette_.open(); break;

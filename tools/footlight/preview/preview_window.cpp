@@ -501,23 +501,9 @@ void leave_to_next(PreviewOptions& options, const Preview& preview) {
   options.news.clear();
   if (options.seconds > 0) options.seconds = std::max(options.seconds - preview.seconds(), kSecondsLeast);
   options.ins = preview.inputs();
+  options.hold_to_live = preview.holds_to_live();
   if (const auto flashes = preview.flashes()) options.flashes = *flashes;
   keep_look(options, preview.settings());
-}
-
-// The options of a window that opens another rig or log.
-PreviewOptions options_for(PreviewOptions options, const Preview::Next& next) {
-  if (!next.rig.empty()) {
-    options.files.rig = next.rig;
-    options.files.demo = false;
-    options.files.log.clear();
-    options.camera.clear();
-    options.select.clear();
-  } else {
-    options.files.log = next.log;
-    std::erase_if(options.ins, [](const std::string& text) { return !Preview::controls(text); });
-  }
-  return options;
 }
 
 }  // namespace
@@ -528,7 +514,7 @@ Result<int> run_preview(const PreviewOptions& options) {
   std::optional<PreviewOptions> before;  // of the window before, if this one was opened from it
   int worst = kExitOk;
   while (true) {
-    std::optional<Preview::Next> next;
+    std::optional<NextWindow> next;
     bool opened = false;
     const auto show = [&] {
       const PreviewOptions of_window = now;

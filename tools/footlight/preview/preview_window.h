@@ -38,6 +38,7 @@
 #include "tools/footlight/preview/live_outputs.h"
 #include "tools/footlight/preview/log_player.h"
 #include "tools/footlight/preview/log_thumbnails.h"
+#include "tools/footlight/preview/next_window.h"
 #include "tools/footlight/preview/preview.h"
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
@@ -65,23 +66,19 @@ extern const char* const kArmedUnmeasured;  // why curves of knobs are not measu
 
 class Preview {
  public:
-  // The rig or log that the user opened instead; the window has closed for it.
-  struct Next {
-    std::string rig;  // empty: the same one
-    std::string log;  // empty: none
-  };
-  [[nodiscard]] const std::optional<Next>& next() const { return next_; }
+  // What the user opened instead; the window has closed for it.
+  [[nodiscard]] const std::optional<NextWindow>& next() const { return next_; }
   // A picture was shown.
   [[nodiscard]] bool opened() const { return picture_ns_ >= 0; }
   // Since its first turn, which --seconds counts from.
   [[nodiscard]] double seconds() const { return static_cast<double>(last_ns_ - start_ns_) * 1e-9; }
   // As the user has set them since: endpoints of inputs and controls; nothing: no rig was read.
   [[nodiscard]] std::vector<std::string> inputs() const;
-  // An endpoint that sets levels by hand. A text that is no endpoint is none, and is refused where it is opened.
-  [[nodiscard]] static bool controls(const std::string& text);
   [[nodiscard]] std::optional<FlashMode> flashes() const {
     return desk_ ? std::optional(desk_->flashes()) : std::nullopt;
   }
+
+  [[nodiscard]] bool holds_to_live() const { return outputs_view_.needs_hold; }
 
   // The looks of the window, once it has opened.
   [[nodiscard]] const WindowSettings& settings() const { return settings_; }
@@ -274,7 +271,7 @@ class Preview {
   // Files that are dropped on the window, and rigs that are opened again: preview_files.cpp.
   void take_drops();
   void add_definition(const std::string& path);
-  void ask_to_open(Next next);
+  void ask_to_open(NextWindow next);
   void draw_open_question();
 
   // Figures and pictures for files and standard output: preview_figures.cpp.
@@ -399,8 +396,8 @@ class Preview {
 
   ExchangeFollower exchange_;
   ExchangeView exchange_view_;
-  std::optional<Next> asked_next_;  // while the question is open
-  std::optional<Next> next_;
+  std::optional<NextWindow> asked_next_;  // while the question is open
+  std::optional<NextWindow> next_;
   OpenQuestion open_question_;
   std::string settings_path_;  // empty: they are not saved
   WindowSettings settings_;

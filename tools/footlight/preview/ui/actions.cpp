@@ -15,10 +15,10 @@ std::string label_of(const KeyRow& row, const UiDesk& desk) {
   return command == nullptr ? tr(row.does) : fmt::format("{}: {}", tr(row.does), text_of(*command, desk.rig()));
 }
 
-bool is_possible(const KeyRow& row, const UiDesk& desk, bool has_log, const OutputsView* outputs) {
-  if (row.menu == UiMenu::kPlayback && !has_log) return false;
-  if (row.menu == UiMenu::kOutputs && outputs == nullptr) return false;
-  switch (row.call.action) {
+bool is_possible(const UiCall& call, UiMenu menu, const UiDesk& desk, bool has_log, const OutputsView* outputs) {
+  if (menu == UiMenu::kPlayback && !has_log) return false;
+  if (menu == UiMenu::kOutputs && outputs == nullptr) return false;
+  switch (call.action) {
     case UiAction::kUndo: return desk.history().next_undo() != nullptr;
     case UiAction::kRedo: return desk.history().next_redo() != nullptr;
     case UiAction::kSave: return desk.can_edit();
@@ -29,7 +29,7 @@ bool is_possible(const KeyRow& row, const UiDesk& desk, bool has_log, const Outp
     case UiAction::kEndCompare: return desk.comparison().a.has_value();
     case UiAction::kReleaseAll: return !desk.state().taken.empty();
     case UiAction::kSelectAll: return !desk.rig().fixtures.empty();
-    case UiAction::kEndBlackout: return outputs->darkness != Darkness::kNone;
+    case UiAction::kEndBlackout: return is_blackout(outputs->darkness);
     case UiAction::kDisarm: return outputs->any_on();
     default: return true;
   }
@@ -41,7 +41,8 @@ std::vector<UiActionItem> action_items(const UiDesk& desk, bool has_log, const O
   for (const KeyRow& row : key_rows()) {
     if (row.keys == nullptr) continue;
     if (row.call.action != UiAction::kCamera) {
-      items.push_back({row.call, label_of(row, desk), tr(row.keys), is_possible(row, desk, has_log, outputs)});
+      items.push_back(
+          {row.call, label_of(row, desk), tr(row.keys), is_possible(row.call, row.menu, desk, has_log, outputs)});
       continue;
     }
     for (int i = 0; i < static_cast<int>(desk.cameras().size()); ++i) {
@@ -49,6 +50,9 @@ std::vector<UiActionItem> action_items(const UiDesk& desk, bool has_log, const O
                        trf("camera {}", desk.cameras()[static_cast<std::size_t>(i)].name),
                        i < kDigits ? std::to_string(i + 1) : std::string()});
     }
+  }
+  for (const CommandRow& row : command_rows()) {
+    items.push_back({row.call, tr(row.does), {}, is_possible(row.call, row.menu, desk, has_log, outputs)});
   }
   for (std::size_t i = 0; i < panels().size(); ++i) {
     const PanelInfo& panel = panels()[i];

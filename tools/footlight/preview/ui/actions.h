@@ -13,7 +13,8 @@ namespace footlight::tools {
 // "undo: set Pan of Spot 3"
 [[nodiscard]] std::string label_of(const KeyRow& row, const UiDesk& desk);
 // Whether it would do anything. has_log: a log plays. outputs: null without any.
-[[nodiscard]] bool is_possible(const KeyRow& row, const UiDesk& desk, bool has_log, const OutputsView* outputs);
+[[nodiscard]] bool is_possible(const UiCall& call, UiMenu menu, const UiDesk& desk, bool has_log,
+                               const OutputsView* outputs);
 
 struct UiActionItem {
   UiCall call;

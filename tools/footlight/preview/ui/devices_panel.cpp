@@ -300,7 +300,7 @@ class DevicesPanel final : public Panel {
     if (ImGui::Button(tr_label("disarm all"))) outputs.disarm_all();
     ImGui::EndDisabled();
     ImGui::SameLine(0, 24 * scale);
-    if (outputs.darkness == Darkness::kNone) {
+    if (!is_blackout(outputs.darkness)) {
       ImGui::PushStyleColor(ImGuiCol_Text, kStageColours.text);
       ImGui::PushStyleColor(ImGuiCol_Button, {0.45f, 0.10f, 0.10f, 1});
       ImGui::PushStyleColor(ImGuiCol_ButtonHovered, {0.62f, 0.14f, 0.14f, 1});
@@ -312,6 +312,13 @@ class DevicesPanel final : public Panel {
     if (outputs.darkness == Darkness::kSilence) {
       ImGui::SameLine();
       ui_text(kUiRed, blackout_words(outputs));
+    }
+    ImGui::Checkbox(fmt::format("{}###hold", trf("live only while {} is held", tr(kHoldKeyName))).c_str(),
+                    &outputs.needs_hold);
+    if (ImGui::IsItemHovered()) {
+      ImGui::SetTooltip("%s",
+                        tr("A dead man's switch: lamps are dark when the key is released, when another window has "
+                           "the keyboard, and half a second after this one hangs."));
     }
   }
 

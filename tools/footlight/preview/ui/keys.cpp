@@ -132,6 +132,11 @@ constexpr KeyRow kKeyRows[] = {
      UiMenu::kNone},
 };
 
+constexpr CommandRow kCommandRows[] = {
+    {{A::kHoldToLive}, "dead man's switch: lamps are live only while End is held", UiMenu::kOutputs},
+};
+static_assert(kHoldKey == GLFW_KEY_END);
+
 constexpr MouseRow kMouseRows[] = {
     {"Click", "select a fixture; Ctrl or Shift adds it or takes it away"},
     {"Shift+drag", "select what is in the rectangle; Ctrl adds it, Ctrl+Shift takes it away; Esc: nothing"},
@@ -146,6 +151,8 @@ constexpr MouseRow kMouseRows[] = {
 }  // namespace
 
 std::span<const KeyRow> key_rows() { return kKeyRows; }
+
+std::span<const CommandRow> command_rows() { return kCommandRows; }
 
 std::span<const MouseRow> mouse_rows() { return kMouseRows; }
 

@@ -11,6 +11,9 @@
 
 namespace footlight::tools {
 
+// The key of the dead man's switch: GLFW_KEY_END. It has no other meaning, and types nothing.
+inline constexpr int kHoldKey = 269;
+
 enum class UiAction {
   kUndo,
   kRedo,
@@ -59,9 +62,10 @@ enum class UiAction {
   kShot,
   kBlackout,  // of all armed outputs
   kEndBlackout,
-  kDisarm,  // all outputs; no key arms one
-  kRecord,  // begins and ends a recording
-  kTap,     // of the tempo of made-up inputs
+  kDisarm,      // all outputs; no key arms one
+  kHoldToLive,  // they are live only while a key is held
+  kRecord,      // begins and ends a recording
+  kTap,         // of the tempo of made-up inputs
   kPalette,
   kEscape,
 };
@@ -89,6 +93,14 @@ struct KeyRow {
 };
 
 [[nodiscard]] std::span<const KeyRow> key_rows();
+
+// An action without a key, for the menus and the list of actions.
+struct CommandRow {
+  UiCall call;
+  const char* does;
+  UiMenu menu;
+};
+[[nodiscard]] std::span<const CommandRow> command_rows();
 // What a key does; panels are opened by theirs. A key with Alt or Super belongs to the desktop and does nothing.
 [[nodiscard]] std::optional<UiCall> call_of(const KeyPress& press);
 // Whether a key acts while text is typed or a question is open: the blackout key that types nothing.

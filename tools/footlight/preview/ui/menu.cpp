@@ -29,7 +29,14 @@ void draw_rows(UiMenu menu, const UiDesk& desk, const OutputsView* outputs, std:
                          (row.call.action == UiAction::kFly && desk.fly().on()) ||
                          (row.call.action == UiAction::kFloorLines && desk.floor_lines());
     const std::string label = fmt::format("{}###{}", label_of(row, desk), row.keys);
-    if (ImGui::MenuItem(label.c_str(), tr(row.keys), checked, is_possible(row, desk, true, outputs))) chosen = row.call;
+    if (ImGui::MenuItem(label.c_str(), tr(row.keys), checked, is_possible(row.call, menu, desk, true, outputs)))
+      chosen = row.call;
+  }
+  for (const CommandRow& row : command_rows()) {
+    if (row.menu != menu) continue;
+    const bool checked = row.call.action == UiAction::kHoldToLive && outputs->needs_hold;
+    const bool possible = is_possible(row.call, menu, desk, true, outputs);
+    if (ImGui::MenuItem(tr_label(row.does), nullptr, checked, possible)) chosen = row.call;
   }
 }
 
