@@ -199,8 +199,8 @@ TEST_CASE("hardware libraries, and those that compile slowly, are included only 
       {"imgui", R"(tools/footlight/preview/(window|preview_|)"
                 R"(ui/(.*panels?|draw_.*|menu|palette|escape|live_band|questions|rig_editor|stage_marks|toasts|)"
                 R"(ui_theme)\.).*|)"
-                R"(tests/(tools/footlight/((panels|panel_edits|busy_panel|compare_panel|messages|devices_panel|)"
-                R"(library_panel|)"
+                R"(tests/(tools/footlight/((panels|panel_edits|unpatched_panel|busy_panel|compare_panel|messages|)"
+                R"(devices_panel|library_panel|)"
                 R"(palette|inspector|shown_ui|side_panel|theme|report_panel|wheels|words_panels)_test|)"
                 R"(edit_ui)|bench/ui_bench).*)"},
       {"libav", R"(tools/footlight/pictures/video.*\.cpp|tools/footlight/vrsl/(video_.*\.cpp|av_error\.h)|)"

@@ -19,7 +19,8 @@ PreviewOptions options_for(PreviewOptions options, const NextWindow& next) {
     options.files.log.clear();
     options.camera.clear();
     options.select.clear();
-  } else {
+  }
+  if (!next.log.empty()) {
     options.files.log = next.log;
     std::erase_if(options.ins, [](const std::string& text) { return !sets_levels_by_hand(text); });
   }

@@ -9,7 +9,7 @@ namespace footlight::tools {
 
 struct NextWindow {
   std::string rig;       // empty: the same one
-  std::string log;       // empty: none
+  std::string log;       // empty: none; with a rig both are opened
   bool recover = false;  // the same rig and log, with the edits that a session lost
 };
 

@@ -19,18 +19,12 @@ std::string name_of(const std::string& path) { return std::filesystem::path(path
 
 }  // namespace
 
-// Definitions are added at once; the last rig or log is asked about.
+// Definitions are added at once; the last rig and the last log of a drop are asked about.
 void Preview::take_drops() {
-  for (const std::string& path : window_->take_drops()) {
-    const auto kind = kind_of_dropped(path);
-    if (!kind) {
-      tell(kind.error());
-    } else if (*kind == DroppedKind::kDefinition) {
-      add_definition(path);
-    } else {
-      ask_to_open(*kind == DroppedKind::kRig ? NextWindow{path, ""} : NextWindow{"", path});
-    }
-  }
+  const DroppedFiles dropped = sort_dropped(window_->take_drops());
+  for (const Error& refused : dropped.refused) tell(refused);
+  for (const std::string& path : dropped.definitions) add_definition(path);
+  if (!dropped.rig.empty() || !dropped.log.empty()) ask_to_open({dropped.rig, dropped.log});
 }
 
 // One fixture of its first mode, as the button of the library does.
@@ -51,8 +45,10 @@ void Preview::add_definition(const std::string& path) {
 
 void Preview::ask_to_open(NextWindow next) {
   std::error_code trouble;
-  const std::string& path = next.rig.empty() ? next.log : next.rig;
-  if (!std::filesystem::exists(path, trouble)) return tell(trf("{}: there is no such file", path), true);
+  for (const std::string& path : {next.rig, next.log}) {
+    if (path.empty() || std::filesystem::exists(path, trouble)) continue;
+    return tell(trf("{}: there is no such file", path), true);
+  }
   asked_next_ = std::move(next);
 }
 
@@ -60,11 +56,14 @@ void Preview::ask_to_open(NextWindow next) {
 void Preview::draw_open_question() {
   if (!asked_next_ || asks_close_) return;
   const bool rig = !asked_next_->rig.empty();
-  std::string then = rig ? tr("The window opens again with this rig, driven as before; a log is closed.")
-                         : tr("The window opens again with this rig and the log; inputs are closed.");
+  const bool both = rig && !asked_next_->log.empty();
+  std::string then = both  ? tr("The window opens again with both; inputs are closed.")
+                     : rig ? tr("The window opens again with this rig, driven as before; a log is closed.")
+                           : tr("The window opens again with this rig and the log; inputs are closed.");
   if (outputs_ && outputs_view_.any_on()) then += tr(" Armed outputs go dark.");
-  const auto answer =
-      open_question_.draw(trf("Open {}?", name_of(rig ? asked_next_->rig : asked_next_->log)), then, !rig);
+  const std::string what = both ? trf("Open {} with {}?", name_of(asked_next_->rig), name_of(asked_next_->log))
+                                : trf("Open {}?", name_of(rig ? asked_next_->rig : asked_next_->log));
+  const auto answer = open_question_.draw(what, then, !rig);
   if (!answer) return;
   if (*answer == OpenAnswer::kOpen) {
     next_ = std::move(asked_next_);

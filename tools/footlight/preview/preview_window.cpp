@@ -118,7 +118,7 @@ Status Preview::turn() {
   follow_settings();
   const TimeNs now_ns = clock_.now_ns();
   const DurationNs dt_ns = now_ns - last_ns_;
-  turn_times_.add(static_cast<double>(dt_ns) * 1e-6);
+  if (!times_out_) turn_times_.add(static_cast<double>(dt_ns) * 1e-6);  // else the turn before waited for a picture
   last_ns_ = now_ns;
   times_out_ = options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9;
   const bool drew = picture_->in_flight() || thumbnails_.in_flight();

@@ -225,7 +225,6 @@ class Preview {
   bool take_box(bool handle);
   void cancel_drags();
   void escape();
-  void show_handles(bool on);
   // Comparisons: preview_compare.cpp.
   void compare_from_here();
   Status compare_with(const std::string& path);
@@ -242,6 +241,7 @@ class Preview {
   void fly(bool typing, DurationNs dt_ns);
   void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);
   void expose(double steps_ev);
+  void take_look();
   void show_exposure();
   void tell(std::string news, bool wrong = false);
   void tell(const Error& error);
@@ -277,6 +277,8 @@ class Preview {
   // Figures and pictures for files and standard output: preview_figures.cpp.
   [[nodiscard]] std::vector<std::uint64_t> view_pictures() const;
   void print_second();
+  static void print_message(const std::string& text, bool wrong);
+  void print_commands();
   void print_summary();
   Status write_shot();
   void write_own_shot();
@@ -366,6 +368,8 @@ class Preview {
   BusyMark busy_mark_;
   bool wants_curves_ = false;    // also without a request for an error or a time
   const std::size_t report_panel_ = panel_of("report");
+  const std::size_t universes_panel_ = panel_of("universes");
+  std::vector<UnpatchedUniverse> unpatched_;  // of live_, while that panel is open
   ReportView report_;
   bool looked_for_curves_ = false;  // of this machine, in their file
   SharedScene left_out_scene_;      // that report_.left_out is of, with these settings
@@ -415,6 +419,7 @@ class Preview {
   std::vector<std::uint8_t> panel_levels_;
   std::array<bool, 3> pressed_on_stage_{};  // buttons of the mouse
   bool selects_more_ = false;               // Ctrl or Shift was held at the last press
+  bool look_began_ = false;                 // state().look is that of the options, or newer
   bool shot_asked_ = false;                 // the next picture is kept
   bool shot_taken_ = false;
   MessageLog messages_;

@@ -73,6 +73,11 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
   window->read_sizes();
   glfwGetWindowContentScale(window->window_, &scale_x, &scale_y);
   window->ui_scale_ = std::clamp(std::max(scale_x, scale_y) / window->pixels_per_unit(), 1.0f, 4.0f);
+  if (window->ui_scale_ == 1 && window->pixels_per_unit() == 1) {  // the desktop states 96 dpi, or nothing
+    GLFWmonitor* screen = glfwGetPrimaryMonitor();
+    const GLFWvidmode* mode = screen != nullptr ? glfwGetVideoMode(screen) : nullptr;
+    if (mode != nullptr) window->ui_scale_ = ui_scale_for(mode->height, window->height());
+  }
   window->poll();
   return window;
 }

@@ -55,7 +55,8 @@ enum class UiAction {
   kTheme,   // the other one
   kUiSmaller,
   kUiLarger,
-  kOpenRecent,  // argument: index into UiDesk::recent_rigs()
+  kOpenRecent,     // argument: index into UiDesk::recent_rigs()
+  kOpenRecentLog,  // argument: index into UiDesk::recent_logs()
   kSidePanel,
   kPanel,  // argument: index into panels()
   kFullScreen,
@@ -66,6 +67,11 @@ enum class UiAction {
   kHoldToLive,  // they are live only while a key is held
   kRecord,      // begins and ends a recording
   kTap,         // of the tempo of made-up inputs
+  kEditField,   // of the selected fixtures, in the patch; argument: EditField
+  kUnpatch,     // the selected fixtures
+  kLibrary,     // opens its panel
+  kTone,        // argument: index into render::kToneCurves
+  kQuality,     // argument: index into quality_choices()
   kPalette,
   kEscape,
 };
@@ -79,6 +85,13 @@ struct UiCall {
 // Argument of kNudge: the axis times 2, and 1 towards lower values.
 [[nodiscard]] constexpr int nudge_axis(int argument) { return argument / 2; }
 [[nodiscard]] constexpr double nudge_sign(int argument) { return argument % 2 == 0 ? 1 : -1; }
+
+// What kQuality asks for: an error of the light as a share, or a time in ms, or nothing: knobs by hand.
+struct QualityChoice {
+  double error = 0;
+  double ms = 0;
+};
+[[nodiscard]] std::span<const QualityChoice> quality_choices();
 
 enum class UiMenu { kNone, kEdit, kView, kPlayback, kOutputs };
 
