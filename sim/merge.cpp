@@ -567,6 +567,31 @@ MergeSender Merge::sender(int index, int number) const {
   return status;
 }
 
+// In a slot that is LTP, a sender whose change was overruled and that has the same level counts as well.
+void Merge::slot_senders(int index, SlotSenders& into) const {
+  FL_CHECK(index >= 0 && index < count());
+  static_assert(kSendersPerUniverseMax <= 8);
+  const PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
+  const std::uint8_t* const snapshot = snapshots_.get() + static_cast<std::size_t>(index) * kSlotCountMax;
+  into.fill(0);
+  SlotSenders best{};
+  for (int k = 0; k < universe.sender_count; ++k) {
+    const Sender& sender_k = universe.senders[k];
+    if (!sender(index, k).wins) continue;
+    const std::uint8_t* const levels = levels_of(index, sender_k.place);
+    const std::uint8_t* const priorities = sender_k.has_priorities ? priorities_of(index, sender_k.place) : nullptr;
+    for (std::size_t slot = 0; slot < sender_k.slot_count; ++slot) {
+      // As in resolve_by_slot(): one more than the priority; 0: does not claim the slot.
+      const int priority = priorities != nullptr ? priorities[slot] : sender_k.priority + 1;
+      const auto rank = static_cast<std::uint8_t>(priorities != nullptr && priority > 0 ? priority + 1 : priority);
+      if (rank == 0 || rank < best[slot]) continue;
+      if (rank > best[slot]) into[slot] = 0;
+      best[slot] = rank;
+      if (levels[slot] == snapshot[slot]) into[slot] = static_cast<std::uint8_t>(into[slot] | 1u << k);
+    }
+  }
+}
+
 void Merge::count_rates(double period_s) {
   FL_CHECK_GT(period_s, 0.0);
   for (PerUniverse& universe : universes_)

@@ -48,6 +48,7 @@
 // senders per universe. That memory is used only as senders appear.
 #pragma once
 
+#include <array>
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
@@ -154,6 +155,10 @@ class Merge {
   [[nodiscard]] const MergeCounters& counters(int index) const;
   // The `number`-th of sender_count(), in no order.
   [[nodiscard]] MergeSender sender(int index, int number) const;
+  // Which senders have set each slot of the snapshot: bit k is the k-th of sender_count(). Several bits: they send the
+  // same level; none: no sender claims the slot. Valid after resolve(). For displays: it compares all levels.
+  using SlotSenders = std::array<std::uint8_t, kSlotCountMax>;
+  void slot_senders(int index, SlotSenders& into) const;
   // Computes MergeSender::rate_hz over the time since the last call. `period_s` > 0.
   void count_rates(double period_s);
 

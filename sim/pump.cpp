@@ -753,10 +753,23 @@ void Pump::fill(UniverseStatus& universe, int index, TimeNs now_ns) const {
   universe.writes = universe_runs_[i].writes;
   universe.winners = merge_.winner_count(index);
   universe.merge = merge_.counters(index);
-  universe.senders.resize(static_cast<std::size_t>(merge_.sender_count(index)));
-  for (int k = 0; k < merge_.sender_count(index); ++k) {
-    const MergeSender sender = merge_.sender(index, k);
-    SenderStatus& shown = universe.senders[static_cast<std::size_t>(k)];
+  const int count = merge_.sender_count(index);
+  universe.senders.resize(static_cast<std::size_t>(count));
+  // The highest priority first.
+  std::array<MergeSender, kSendersPerUniverseMax> all;
+  std::array<std::uint8_t, kSendersPerUniverseMax> order;
+  for (int k = 0; k < count; ++k) {
+    all[static_cast<std::size_t>(k)] = merge_.sender(index, k);
+    order[static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(k);
+  }
+  std::sort(order.begin(), order.begin() + count, [&](std::uint8_t x, std::uint8_t y) {
+    const MergeSender& a = all[x];
+    const MergeSender& b = all[y];
+    return a.priority != b.priority ? a.priority > b.priority : a.id < b.id;
+  });
+  for (std::size_t k = 0; k < universe.senders.size(); ++k) {
+    const MergeSender& sender = all[order[k]];
+    SenderStatus& shown = universe.senders[k];
     shown.name.clear();
     for (const PortRun& run : sources_) {
       if (run.source_id != sender.source) continue;
@@ -772,9 +785,22 @@ void Pump::fill(UniverseStatus& universe, int index, TimeNs now_ns) const {
     shown.wins = sender.wins;
     shown.per_address = sender.per_address;
   }
-  std::sort(universe.senders.begin(), universe.senders.end(), [](const SenderStatus& a, const SenderStatus& b) {
-    return a.priority != b.priority ? a.priority > b.priority : a.id < b.id;
-  });
+  fill_slot_senders(universe, index, {order.data(), universe.senders.size()});
+}
+
+void Pump::fill_slot_senders(UniverseStatus& universe, int index, std::span<const std::uint8_t> order) const {
+  universe.slot_senders.clear();
+  const auto winners = std::count_if(universe.senders.begin(), universe.senders.end(),
+                                     [](const SenderStatus& sender) { return sender.wins; });
+  if (winners < 2) return;
+  Merge::SlotSenders of_merge;
+  merge_.slot_senders(index, of_merge);
+  universe.slot_senders.resize(of_merge.size());
+  for (std::size_t slot = 0; slot < of_merge.size(); ++slot) {
+    unsigned bits = 0;
+    for (std::size_t k = 0; k < order.size(); ++k) bits |= (of_merge[slot] >> order[k] & 1u) << k;
+    universe.slot_senders[slot] = static_cast<std::uint8_t>(bits);
+  }
 }
 
 std::int64_t unaccounted(const UniverseStatus& universe) {

@@ -153,6 +153,9 @@ struct UniverseStatus {
   int winners = 0;                           // senders that share the highest priority
   MergeCounters merge;
   std::vector<SenderStatus> senders;  // active now; the highest priority first
+  // If several of them win, which have set each slot: 512 of them, as Merge::slot_senders() with bits by the order of
+  // `senders`. Else empty.
+  std::vector<std::uint8_t> slot_senders;
 };
 
 // How many frames or snapshots are in no counter, or in two: 0. Exact if the status was taken between two ticks, as by
@@ -333,6 +336,7 @@ class Pump {
   [[nodiscard]] TimeNs next_deadline_ns();
   void fill(PumpStatus& status, TimeNs now_ns) const;
   void fill(PortStatus& port, const PortRun& run) const;
+  void fill_slot_senders(UniverseStatus& universe, int index, std::span<const std::uint8_t> order) const;
   void fill(UniverseStatus& universe, int index, TimeNs now_ns) const;
 
   std::shared_ptr<Universes> universes_;  // replaced under published_mutex_

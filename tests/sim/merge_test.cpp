@@ -765,6 +765,41 @@ TEST_CASE("a ninth sender is refused by its 0xDD frame, too") {
   CHECK(stage.counters().refused_full == 1);
 }
 
+TEST_CASE("each slot names the senders that have set it: by level, by priority of its address, by the last change") {
+  Stage stage;
+  Merge::SlotSenders set;
+  // As bits by sender, whatever their order in the merge.
+  const auto bits = [&](std::size_t slot) {
+    stage.settle();
+    stage.merge().slot_senders(0, set);
+    unsigned by_sender = 0;
+    for (int k = 0; k < stage.merge().sender_count(0); ++k) {
+      if ((set[slot] >> k & 1) != 0) by_sender |= 1u << stage.merge().sender(0, k).id;
+    }
+    return by_sender;
+  };
+  stage.send_slots(1, std::vector<std::uint8_t>{10, 20, 30});
+  CHECK(bits(0) == 2);
+  CHECK(bits(3) == 0);  // nobody sends it
+  stage.send_slots(2, std::vector<std::uint8_t>{5, 20, 40, 0});
+  CHECK(bits(0) == 2);
+  CHECK(bits(1) == 6);
+  CHECK(bits(2) == 4);
+  stage.send_slots(3, std::vector<std::uint8_t>{255}, 90);  // outranked
+  CHECK(bits(0) == 2);
+  stage.claim_slots(2, std::vector<std::uint8_t>{150, 0, 50});
+  CHECK(bits(0) == 4);  // though its level is lower
+  CHECK(bits(1) == 2);
+  CHECK(bits(2) == 2);
+  Stage ltp(MergeMode::kLtp);
+  ltp.send(1, 200);
+  ltp.settle();
+  ltp.send(2, 100);
+  ltp.settle();
+  ltp.merge().slot_senders(0, set);
+  for (int k = 0; k < 2; ++k) CHECK((set[7] >> k & 1) == (ltp.merge().sender(0, k).id == 2 ? 1 : 0));
+}
+
 TEST_CASE("a sender without claims is reported as losing, and its frames make no snapshot") {
   Stage stage;
   stage.send(1, 10, 100);

@@ -1085,6 +1085,32 @@ TEST_CASE("a snapshot held back by a cap is dropped and counted when its univers
   CHECK(unaccounted(status.ports[1]) == 0);
 }
 
+TEST_CASE("a status says which of several winners have set a slot, in the order of its senders") {
+  World world;
+  FakeSource desk(world.waiter, "sacn:1", {1}), other(world.waiter, "artnet:1", {1});
+  world.pump().add_source(other);
+  world.pump().add_source(desk);
+  world.pump().start();
+  other.give(1, 50);
+  world.run_for(kNsPerS / 2);
+  CHECK(world.pump().status().universes[0].slot_senders.empty());  // there is one
+  desk.give(1, 60);
+  world.run_for(kNsPerS / 2);
+  UniverseStatus status = world.pump().status().universes[0];
+  REQUIRE(status.slot_senders.size() == kSlotCountMax);
+  const auto setter = [&](std::size_t slot) {
+    for (std::size_t k = 0; k < status.senders.size(); ++k) {
+      if (status.slot_senders[slot] == 1 << k) return status.senders[k].name;
+    }
+    return std::string("several or none");
+  };
+  CHECK(setter(0) == "sacn:1");
+  other.give(1, 70);
+  world.run_for(kNsPerS / 10);
+  status = world.pump().status().universes[0];
+  CHECK(setter(0) == "artnet:1");
+}
+
 TEST_CASE("senders are reported by name, the highest priority first") {
   World world;
   FakeSource desk(world.waiter, "sacn:1", {1}), other(world.waiter, "artnet:1", {1});

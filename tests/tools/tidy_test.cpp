@@ -200,8 +200,8 @@ TEST_CASE("hardware libraries, and those that compile slowly, are included only 
                 R"(ui/(.*panels?|draw_.*|file_dialog|menu|palette|escape|live_band|questions|rig_editor|stage_marks|)"
                 R"(toasts|)"
                 R"(ui_theme)\.).*|)"
-                R"(tests/(tools/footlight/((panels|panel_edits|busy_panel|compare_panel|messages|devices_panel|)"
-                R"(file_dialog|library_panel|)"
+                R"(tests/(tools/footlight/((panels|panel_edits|unpatched_panel|busy_panel|compare_panel|messages|)"
+                R"(devices_panel|file_dialog|library_panel|)"
                 R"(palette|inspector|shown_ui|side_panel|theme|report_panel|wheels|words_panels)_test|)"
                 R"(edit_ui)|bench/ui_bench).*)"},
       {"libav", R"(tools/footlight/pictures/video.*\.cpp|tools/footlight/vrsl/(video_.*\.cpp|av_error\.h)|)"

@@ -478,8 +478,28 @@ TEST_CASE("the band names what is live, and a blackout") {
   CHECK(has(blackout_words(view), "Shift+B"));
   view.darkness = Darkness::kSilence;
   CHECK(has(blackout_words(view), "no levels for 2.5 s"));
+  view.darkness = Darkness::kNotHeld;
+  CHECK(live_words(view) == "BLACKOUT: 2 outputs send zeros");
+  CHECK(blackout_words(view) == "Lamps are live while End is held");
   view.rows[0].state = view.rows[1].state = ArmState::kOff;
+  CHECK(live_words(view).empty());  // nothing waits for the key
+  view.darkness = Darkness::kAsked;
   CHECK(live_words(view) == "BLACKOUT: no output is armed");
+}
+
+TEST_CASE("a box of the panel asks for the dead man's switch, in whose darkness a blackout can still be asked for") {
+  OutputsView view = two_outputs();
+  view.rows[1].state = ArmState::kArmed;
+  Ui ui(&view);
+  CHECK(has(ui.words(), "live only while End is held"));
+  CHECK(!view.needs_hold);
+  CHECK(ui.click_over(Ui::body(), false, [&] {
+    if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);
+    return view.needs_hold;
+  }));
+  view.darkness = Darkness::kNotHeld;
+  CHECK(has(ui.words(), "BLACKOUT"));
+  CHECK(!has(ui.words(), "end the blackout"));
 }
 
 TEST_CASE("the band is a red frame at the edges of the window, over everything, only while something is live") {

@@ -230,6 +230,24 @@ TEST_CASE("each channel has the name of who sets it: a sender, the user, locate,
   CHECK(source.words == "Console A (priority 100), 1 outranked  44 /s");
   CHECK(source.age_ns == kNsPerS);
   CHECK(!source.silent);
+  // Of two that win, the one that has set the slot.
+  const auto place = ui.desk.index().place(pan);
+  REQUIRE(place);
+  status.universes[0].senders.push_back(status.universes[0].senders[0]);
+  status.universes[0].senders[2].name = "Console C";
+  status.universes[0].slot_senders.assign(kSlotCountMax, 1);
+  status.universes[0].slot_senders[static_cast<std::size_t>(place->address - 1)] = 4;
+  source = source_of_channel(ui.desk, ui.input(), pan);
+  CHECK(source.brief == "Console C");
+  CHECK(source.words == "Console C (priority 100), 1 outranked, 1 sets other slots  44 /s");
+  CHECK(source_of_channel(ui.desk, ui.input(), {1, 0}).brief == "Console A");
+  CHECK(source_of_universe(ui.desk, ui.input(), 0).brief == "Console A + Console C");
+  status.universes[0].slot_senders.assign(kSlotCountMax, 5);
+  CHECK(source_of_channel(ui.desk, ui.input(), pan).brief == "Console A + Console C");
+  status.universes[0].slot_senders.assign(kSlotCountMax, 0);
+  CHECK(source_of_channel(ui.desk, ui.input(), pan).brief == "no sender");
+  status.universes[0].senders.pop_back();
+  status.universes[0].slot_senders.clear();
   ui.stamps[0].stamp_ns = ui.now_ns - 3 * kNsPerS;
   CHECK(source_of_channel(ui.desk, ui.input(), pan).silent);
   ui.desk.select(0, false);

@@ -1,5 +1,6 @@
 #include <array>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -122,6 +123,72 @@ TEST_CASE("a universe of the rig without a source is reported as such, and one t
   live.wait_for(1, 1);
   CHECK(live.levels->levels()[0] == 0);
   CHECK(live.levels->levels()[kSlotCountMax] == 1);
+}
+
+TEST_CASE("a universe that arrives and is not in the rig has its levels, its age and its sender") {
+  Live live({2, 7});
+  live.source->give(9, 33);
+  live.source->give(7, 1);
+  live.wait_for(1, 1);
+  std::vector<UnpatchedUniverse> others;
+  live.levels->take_unpatched(others);
+  REQUIRE(others.size() == 1);
+  CHECK(others[0].universe == 9);
+  CHECK(others[0].levels[0] == 33);
+  CHECK(others[0].levels[511] == 33);
+  CHECK(others[0].sender == "mail");
+  CHECK(others[0].priority == kPriorityDefault);
+  CHECK(others[0].stamp_ns > 0);
+  CHECK(others[0].frames == 1);
+}
+
+TEST_CASE("universes that are not in the rig are bounded in number, and leave when their sender ends") {
+  UnpatchedLevels levels(std::vector<Universe>{5}, [](const FrameView& frame) { return std::to_string(frame.sender); });
+  const auto receive = [&](Universe universe, TimeNs now_ns, std::uint8_t level) {
+    const std::array<std::uint8_t, 2> slots{level, level};
+    FrameView frame;
+    frame.universe = universe;
+    frame.stamp_ns = now_ns;
+    frame.sender = 4;
+    frame.slots = slots;
+    levels.receive(frame);
+  };
+  std::vector<UnpatchedUniverse> all;
+  receive(5, kNsPerS, 1);  // of the rig
+  levels.take(all);
+  CHECK(all.empty());
+  for (Universe universe = 200; universe > 100; --universe) receive(universe, kNsPerS, 7);
+  levels.take(all);
+  REQUIRE(all.size() == UnpatchedLevels::kUniversesMax);
+  CHECK(all.front().universe == 137);
+  CHECK(all.back().universe == 200);
+  CHECK(all.front().sender == "4");
+  CHECK(all.front().levels[1] == 7);
+  CHECK(all.front().levels[2] == 0);
+  // One that came late takes the place of one that is silent for long.
+  receive(150, 2 * kNsPerS, 8);
+  receive(1, 2 * kNsPerS, 8);
+  levels.take(all);
+  CHECK(all.front().universe == 137);
+  receive(1, kNsPerS + UnpatchedLevels::kForgottenNs, 9);
+  levels.take(all);
+  CHECK(all.size() == UnpatchedLevels::kUniversesMax);
+  CHECK(all.front().universe == 1);
+  CHECK(all[1].universe == 138);
+  // Priorities of addresses are no levels, and a sender that ends takes its universe along.
+  FrameView frame;
+  frame.universe = 1;
+  frame.start_code = kStartCodePriorities;
+  const std::array<std::uint8_t, 1> priorities{200};
+  frame.slots = priorities;
+  levels.receive(frame);
+  levels.take(all);
+  CHECK(all.front().levels[0] == 9);
+  frame.start_code = kStartCodeLevels;
+  frame.terminated = true;
+  levels.receive(frame);
+  levels.take(all);
+  CHECK(all.front().universe == 138);
 }
 
 TEST_CASE("taking without a new frame returns at once with unchanged levels") {

@@ -238,6 +238,29 @@ TEST_CASE("a window that hangs leaves lamps dark, and says so when it goes on") 
   CHECK(all.find("gave no levels for 2.5 s") != std::string::npos);
 }
 
+TEST_CASE("with a dead man's switch an armed output sends the picture from the press of its key to the release") {
+  Window window;
+  window.view.arm = {0};
+  window.view.needs_hold = true;
+  bool held = false;
+  const auto turns_until = [&](auto done) {
+    return window.until(200, [&] {
+      window.outputs->hold(held);
+      return done();
+    });
+  };
+  REQUIRE(turns_until([&] { return window.wires[0]->so_far().size() >= 3; }));
+  for (const int level : window.wires[0]->so_far()) CHECK(level == 0);
+  CHECK(window.view.darkness == Darkness::kNotHeld);
+  held = true;
+  CHECK(turns_until([&] { return window.wires[0]->last() == 200; }));
+  held = false;
+  CHECK(turns_until([&] { return window.wires[0]->last() == 0; }));
+  for (const std::string& notice : window.outputs->notices()) {
+    CHECK(notice.find("blackout") == std::string::npos);  // not at each press
+  }
+}
+
 TEST_CASE("the end of the window leaves lamps dark and closes what was armed") {
   Window window;
   window.view.arm = {0, 1};

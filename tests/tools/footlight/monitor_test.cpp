@@ -81,6 +81,44 @@ TEST_CASE("with a rig the slot that is chosen is explained, with its level, and 
   CHECK(shown_universe({}, view) == nullptr);
 }
 
+TEST_CASE("two moments are compared: the slots that differ are counted, named with both levels and marked") {
+  MonitorState state = nine_universes();
+  state.universes[4].revision = 0;  // has had no frame
+  MonitorView view;
+  view.selected = 2;
+  CHECK(!contains(all(draw_monitor(state, view)), "differ"));
+  view.a = keep_moment(state);
+  CHECK(view.a->levels.universes == std::vector<Universe>{1, 2, 3, 4, 6, 7, 8, 9});
+  CHECK(contains(all(draw_monitor(state, view)), " A 0 ms ago, B now: 0 slots differ\n"));
+  state.now_ns += 3 * kNsPerS;
+  state.universes[1].levels[0] = 254;
+  state.universes[1].levels[16] = 30;
+  state.universes[6].levels[511] = 9;
+  std::string text = all(draw_monitor(state, view));
+  CAPTURE(text);
+  CHECK(contains(text, " A 3.0 s ago, B now: 3 slots differ, in 2 universes\n"));
+  CHECK(contains(text, "     age diff  sender"));
+  CHECK(contains(text, ">      2    44.0   3.0 s    2  FOH desk"));
+  CHECK(contains(text, "       7    44.0   3.0 s    1  FOH desk"));
+  CHECK(contains(text, " 2:  1 255>254, 17 0>30\n"));
+  view.selected = 3;
+  CHECK(contains(all(draw_monitor(state, view)), " 3:  no slot differs\n"));
+  // B is kept: what comes later changes nothing, and the levels are those of B.
+  view.selected = 2;
+  view.b = keep_moment(state);
+  state.universes[1].levels[16] = 77;
+  state.now_ns += 2 * kNsPerS;
+  text = all(draw_monitor(state, view));
+  CHECK(contains(text, " A 5.0 s ago, B 2.0 s ago: 3 slots differ, in 2 universes\n"));
+  CHECK(contains(text, "17 0>30\n"));
+  view.columns = 200;
+  view.rows = 60;
+  CHECK(contains(all(draw_monitor(state, view)), "   1 254   0   0"));
+  CHECK(!contains(all(draw_monitor(state, view)), " 77"));
+  view.colour = true;
+  CHECK(contains(all(draw_monitor(state, view)), "\033[1;31m 30\033[0m"));
+}
+
 TEST_CASE("a picture has exactly as many lines as the screen, and none is wider") {
   const MonitorState full = nine_universes();
   const MonitorState empty;
@@ -92,6 +130,7 @@ TEST_CASE("a picture has exactly as many lines as the screen, and none is wider"
         view.columns = columns;
         view.selected = 2;
         view.explains = true;
+        if (rows % 2 == 0) view.a = MonitorMoment{};  // all levels of now differ
         const auto lines = draw_monitor(*state, view);
         CAPTURE(rows);
         CAPTURE(columns);
@@ -362,6 +401,12 @@ TEST_CASE("the terminal is restored when q is pressed") {
   monitor.wait_for(">      3");
   CHECK(contains(monitor.output(), "\033[?1049h"));
   CHECK_FALSE(monitor.is_as_before());
+  monitor.type("a");
+  monitor.wait_for("0 slots differ");
+  monitor.wait_for("B now");
+  monitor.type("b");
+  monitor.wait_for(" ms ago, B 0 ms ago");
+  monitor.type("x");
   monitor.type(" ");
   monitor.wait_for("PAUSED");
   monitor.type("/7");

@@ -105,6 +105,86 @@ TEST_CASE("universes without an address of the rig are never sent, and one that 
   CHECK(lamps.level(3) == -1);
 }
 
+TEST_CASE("with a dead man's switch lamps are lit only while the key is held") {
+  Lamps lamps;
+  lamps.feed.count_armed(1);
+  // Turns of 16 ms, in which the key is held or not.
+  const auto turns = [&](int count, bool held) {
+    for (int i = 0; i < count; ++i) {
+      lamps.give(200, 100);
+      lamps.feed.hold(lamps.clock.now_ns(), held);
+      lamps.run_for(16 * kNsPerMs);
+    }
+  };
+  turns(5, true);
+  CHECK(lamps.level(1) == 200);  // it is not asked for
+  lamps.feed.need_hold(true);
+  CHECK(lamps.feed.darkness() == Darkness::kNotHeld);
+  turns(5, true);  // since before it was asked for: somebody may have left something on the key
+  CHECK(lamps.level(1) == 0);
+  turns(5, false);
+  CHECK(lamps.level(1) == 0);
+  CHECK(lamps.level(2) == 0);
+  turns(5, true);
+  CHECK(lamps.level(1) == 200);
+  CHECK(lamps.level(2) == 100);
+  CHECK(lamps.feed.darkness() == Darkness::kNone);
+  turns(2, false);
+  CHECK(lamps.level(1) == 0);
+  turns(2, true);
+  CHECK(lamps.level(1) == 200);
+  // A blackout is above the key.
+  lamps.feed.black_out();
+  turns(5, true);
+  CHECK(lamps.level(1) == 0);
+  lamps.feed.lift(lamps.clock.now_ns());
+  turns(5, true);
+  CHECK(lamps.level(1) == 200);
+}
+
+TEST_CASE("a window that hangs with its key held darkens lamps after half a second, until the key is pressed anew") {
+  Lamps lamps;
+  lamps.feed.count_armed(1);
+  lamps.feed.need_hold(true);
+  lamps.give(200, 100);
+  lamps.feed.hold(lamps.clock.now_ns(), false);
+  lamps.feed.hold(lamps.clock.now_ns(), true);
+  lamps.run_for(OutputFeed::kHeldMaxNs - 50 * kNsPerMs);
+  CHECK(lamps.level(1) == 200);
+  lamps.run_for(100 * kNsPerMs);
+  CHECK(lamps.level(1) == 0);
+  CHECK(lamps.feed.darkness() == Darkness::kNotHeld);
+  for (int i = 0; i < 20; ++i) {
+    lamps.give(200, 100);
+    lamps.feed.hold(lamps.clock.now_ns(), true);
+    lamps.run_for(16 * kNsPerMs);
+  }
+  CHECK(lamps.level(1) == 0);
+  lamps.feed.hold(lamps.clock.now_ns(), false);
+  lamps.feed.hold(lamps.clock.now_ns(), true);
+  lamps.run_for(50 * kNsPerMs);
+  CHECK(lamps.level(1) == 200);
+}
+
+TEST_CASE("a dead man's switch that is left without its key held leaves a blackout, and with it lamps that are lit") {
+  Lamps lamps;
+  lamps.feed.count_armed(1);
+  lamps.feed.need_hold(true);
+  lamps.give(200, 100);
+  lamps.feed.need_hold(false);
+  CHECK(lamps.feed.darkness() == Darkness::kAsked);
+  lamps.run_for(50 * kNsPerMs);
+  CHECK(lamps.level(1) == 0);
+  lamps.feed.lift(lamps.clock.now_ns());
+  lamps.feed.need_hold(true);
+  lamps.feed.hold(lamps.clock.now_ns(), false);
+  lamps.feed.hold(lamps.clock.now_ns(), true);
+  lamps.feed.need_hold(false);
+  CHECK(lamps.feed.darkness() == Darkness::kNone);
+  lamps.run_for(50 * kNsPerMs);
+  CHECK(lamps.level(1) == 200);
+}
+
 TEST_CASE("levels that are missing change nothing") {
   Lamps lamps;
   lamps.feed.count_armed(1);

@@ -1,5 +1,8 @@
 // The field that searches actions, without a window.
 #include <algorithm>
+#include <array>
+#include <iterator>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,10 +11,13 @@
 
 #include <doctest/doctest.h>
 
+#include "render/display.h"
 #include "tests/tools/footlight/edit_ui.h"
 #include "tools/footlight/preview/preview_panel.h"
+#include "tools/footlight/preview/ui/actions.h"
 #include "tools/footlight/preview/ui/menu.h"
 #include "tools/footlight/preview/ui/palette.h"
+#include "tools/footlight/preview/ui/run_action.h"
 
 namespace footlight::tools {
 namespace {
@@ -20,7 +26,9 @@ using footlight::testing::EditUi;
 using footlight::testing::kDown;
 using footlight::testing::kEnter;
 using footlight::testing::kEscape;
+using footlight::testing::kUiRig;
 using footlight::testing::kUp;
+using footlight::testing::parsed_rig;
 using footlight::testing::rig_with_cameras;
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
@@ -79,11 +87,19 @@ TEST_CASE("the list of actions has every key that the table shows, every panel a
     ++expected;
     CHECK_MESSAGE(has(row.call), row.does);
   }
+  for (const CommandRow& row : command_rows()) {
+    ++expected;
+    CHECK_MESSAGE(has(row.call), row.does);
+  }
+  expected += std::size(render::kToneCurves) + quality_choices().size();
   CHECK(items.size() == expected);
   for (std::size_t i = 0; i < panels().size(); ++i) CHECK(has({UiAction::kPanel, static_cast<int>(i)}));
   CHECK(has({UiAction::kCamera, 0}));
   CHECK(has({UiAction::kCamera, 1}));
-  CHECK(std::all_of(items.begin(), items.end(), [](const UiActionItem& item) { return item.possible; }));
+  for (const UiActionItem& item : items) {
+    const bool is_so = item.call == UiCall{UiAction::kTone, 0};  // the picture has this curve
+    CHECK_MESSAGE(item.possible() != is_so, item.label, ": ", item.why_not);
+  }
 }
 
 TEST_CASE("keys belong to the palette from the moment it is asked for") {
@@ -96,7 +112,7 @@ TEST_CASE("keys belong to the palette from the moment it is asked for") {
 TEST_CASE("each action is found by its words and run by Enter") {
   PaletteUi one;
   for (const UiActionItem& item : action_items(one.ui.desk, true, &one.outputs)) {
-    if (item.call.action == UiAction::kPalette) continue;
+    if (item.call.action == UiAction::kPalette || !item.possible()) continue;
     CAPTURE(item.label);
     one.open();
     REQUIRE(EditUi::has_popup());
@@ -108,6 +124,84 @@ TEST_CASE("each action is found by its words and run by Enter") {
     CHECK(*one.chosen == item.call);
     CHECK(!EditUi::has_popup());
   }
+}
+
+// All of a desk that an action can change.
+struct DeskMark {
+  explicit DeskMark(const UiDesk& desk)
+      : selection(desk.state().selection),
+        taken(desk.state().taken),
+        look(desk.state().look),
+        revision(desk.state().revision),
+        on{desk.highlights(),
+           desk.locates(),
+           desk.handles(),
+           desk.measure().on,
+           desk.floor_lines(),
+           desk.fly().on(),
+           desk.comparison().a.has_value()},
+        flashes(desk.flashes()) {}
+  Selection selection;
+  std::map<ChannelKey, std::uint32_t> taken;
+  PictureLook look;
+  std::uint64_t revision;
+  std::array<bool, 7> on;
+  FlashMode flashes;
+  bool operator==(const DeskMark&) const = default;
+};
+
+TEST_CASE("each action of the desk changes it, and those that are not possible say why") {
+  std::vector<UiActionItem> all;
+  {
+    PaletteUi many;
+    all = action_items(many.ui.desk, true, &many.outputs);
+  }
+  int ran = 0;
+  for (const UiActionItem& item : all) {
+    if (!item.possible()) continue;
+    PaletteUi one;
+    CAPTURE(item.label);
+    const DeskMark before(one.ui.desk);
+    const auto news = run_on_desk(one.ui.desk, item.call);
+    if (!news) continue;  // the window's
+    ++ran;
+    CHECK(!(DeskMark(one.ui.desk) == before));
+  }
+  CHECK(ran >= 20);
+
+  EditUi bare(parsed_rig(kUiRig));
+  std::map<UiAction, std::string> reasons;
+  for (const UiActionItem& item : action_items(bare.desk, false, nullptr)) {
+    if (!item.possible()) reasons[item.call.action] = item.why_not;
+  }
+  for (const auto action : {UiAction::kHighlight, UiAction::kLocate, UiAction::kDelete, UiAction::kNudge,
+                            UiAction::kUnpatch, UiAction::kEditField}) {
+    CHECK(reasons[action] == "select a fixture first");
+  }
+  CHECK(contains(reasons[UiAction::kPlay], "no log plays"));
+  CHECK(contains(reasons[UiAction::kBlackout], "F6 or --output"));
+  for (const auto action : {UiAction::kUndo, UiAction::kRedo, UiAction::kReleaseAll, UiAction::kEndCompare}) {
+    CHECK(!reasons[action].empty());
+  }
+  CHECK(why_not({UiAction::kCamera, 7}, bare.desk, false, nullptr) == "the rig has no such camera; C stores one");
+  bare.desk.set_exposure({4, true});
+  CHECK(why_not({UiAction::kBrighter}, bare.desk, false, nullptr) == "the exposure is automatic");
+}
+
+TEST_CASE("a row of the list opens the field of the selected fixtures in the patch, and unpatches them") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.desk.select(0, false);
+  ui.open.set_open(panel_of("fixtures"), true, ui.desk);
+  ui.desk.ask_field(EditField::kNumber);
+  for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(EditUi::has_popup());
+  CHECK(contains(ui.words(), "Number of Spot 1"));
+  ui.type("41");
+  CHECK(ui.edit.fixture(0).labels.fixture_id_numeric == 41);
+  const auto news = run_on_desk(ui.desk, {UiAction::kUnpatch});
+  REQUIRE(news);
+  CHECK(contains(news->text, "Ctrl+Z brings it back"));
+  CHECK(!ui.edit.fixture(0).patched);
 }
 
 TEST_CASE("words narrow the list in any order and case, and what has none of them says so") {

@@ -1,5 +1,7 @@
 // Panels that edit the rig, without a window.
 #include <algorithm>
+#include <array>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,6 +29,7 @@ using footlight::testing::parsed_rig;
 
 constexpr std::size_t kFixtures = 2;
 constexpr std::size_t kInspector = 3;
+constexpr const char* kPatchWindow = "###Fixtures";
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
@@ -215,6 +218,110 @@ TEST_CASE("fixtures that share slots are marked while they do") {
   CHECK(!contains(ui.words(), "share addresses"));
 }
 
+// The fixtures of kUiRig that the patch lists, in its order, by the first letters of their names.
+std::string listed(EditUi& ui) {
+  const std::string words = ui.words();
+  std::vector<std::pair<std::size_t, const char*>> found;
+  for (const auto& [name, brief] : {std::pair("Spot 1", "1"), std::pair("Spot 2", "2"), std::pair("Spot 3", "3"),
+                                    std::pair("Far par", "F"), std::pair("Par", "P")}) {
+    std::size_t at = words.find(name);
+    while (at != std::string::npos && words.substr(0, at).ends_with("Generic "))
+      at = words.find(name, at + 1);  // a type
+    if (at != std::string::npos) found.emplace_back(at, brief);
+  }
+  std::sort(found.begin(), found.end());
+  std::string order;
+  for (const auto& one : found) order += one.second;
+  return order;
+}
+
+TEST_CASE("the patch is narrowed by a text that is typed") {
+  const auto filtered = [](const char* text) {
+    EditUi ui(parsed_rig(kUiRig));
+    ui.show(kFixtures);
+    CHECK(listed(ui) == "123PF");
+    const ImVec2 field = ui.click_down(60, 28, 60, [] { return ImGui::GetIO().WantTextInput; });
+    REQUIRE(field.y > 0);
+    ui.type(text);
+    return std::pair(listed(ui), ui.words());
+  };
+  const auto [spots, words] = filtered("SPOT");
+  CHECK(spots == "123");
+  CHECK(contains(words, "3 of 5 fixtures"));
+  CHECK(filtered("far").first == "F");
+  CHECK(filtered("par").first == "PF");
+  CHECK(filtered("2.508").first == "F");
+  CHECK(filtered("nobody").first.empty());
+}
+
+TEST_CASE("boxes of the patch show only fixtures that share addresses, or that have none") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.show(kFixtures);
+  CHECK(!contains(ui.words(), "no address"));
+  const auto press = [&](const char* box) {
+    testing::activate(kPatchWindow, {box});
+    for (int i = 0; i < 2; ++i) ui.frame();
+  };
+  ui.desk.select(3, false);
+  REQUIRE(ui.desk.edit(fixtures::patch_fixtures(ui.desk.edited(), ui.desk.selected(), {1, 3})));
+  ui.desk.select(2, false);
+  REQUIRE(ui.desk.edit(fixtures::unpatch_fixtures(ui.desk.edited(), ui.desk.selected())));
+  CHECK(contains(ui.words(), "1 has no address"));
+  press("###unpatched");
+  CHECK(listed(ui) == "3");
+  press("###conflicts");
+  CHECK(listed(ui).empty());  // nobody is both
+  press("###unpatched");
+  CHECK(listed(ui) == "1P");
+  press("###conflicts");
+  press("###unpatched");
+  CHECK(listed(ui) == "3");
+  // When the last one has an address again, the box is gone, and with it what it hid.
+  ui.desk.undo();
+  CHECK(!contains(ui.words(), "no address"));
+  CHECK(listed(ui).size() == 5);
+}
+
+TEST_CASE("a click on a heading sorts the patch by its column, another one the other way round") {
+  fixtures::Rig rig = parsed_rig(kUiRig);
+  const std::array<const char*, 5> layers{"Back", "Front", "Middle", "Zenith", "Attic"};
+  for (std::size_t i = 0; i < rig.fixtures.size(); ++i) rig.fixtures[i].labels.layer = layers[i];
+  EditUi ui(std::move(rig));
+  ui.show(kFixtures);
+  CHECK(contains(ui.words(), "Layer"));
+  CHECK(contains(ui.words(), "Zenith"));
+  CHECK(listed(ui) == "123PF");
+  ImGui::SetWindowSize(kPatchWindow, {1000, 400});
+  // Along the headings, which are above the rows.
+  std::set<std::string> orders;
+  for (float y = 54; y < 76; y += 7) {
+    for (float x = 20; x < 700; x += 20) {
+      ui.press(x, y);
+      orders.insert(listed(ui));
+    }
+  }
+  CHECK(orders.contains("FP123"));  // by name
+  CHECK(orders.contains("321PF"));  // by name downwards
+  CHECK(orders.contains("F123P"));  // by layer
+  CHECK(orders.contains("P321F"));  // by layer downwards
+  CHECK(orders.contains("FP321"));  // by address downwards
+}
+
+TEST_CASE("fixtures are renumbered in the order of the patch from the menu of the selection") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.show(kFixtures);
+  const ImVec2 row = ui.row_of(1, 60);
+  REQUIRE(row.y > 0);
+  ui.desk.select(0, false);
+  ui.desk.select(1, true);
+  ui.desk.select(4, true);
+  REQUIRE(choose(ui, row, [&] { return contains(ui.words(), "Number of 3 fixtures"); }));
+  ui.type("31");
+  CHECK(ui.edit.fixture(0).labels.fixture_id_numeric == 31);
+  CHECK(ui.edit.fixture(1).labels.fixture_id_numeric == 32);
+  CHECK(ui.edit.fixture(4).labels.fixture_id_numeric == 33);
+}
+
 TEST_CASE("panels survive every edit of a rig that they show") {
   EditUi ui(parsed_rig(kUiRig));
   for (std::size_t i = 0; i < panels().size(); ++i) ui.show(i);
@@ -270,6 +377,25 @@ TEST_CASE("the question before closing has three answers, and goes away with one
       }
     }
     CHECK(ui.answer == expected);
+  }
+}
+
+TEST_CASE("the line about lost edits recovers, keeps or discards them by one click each") {
+  for (const auto& [button, expected] :
+       {std::pair("###Recover", LostAnswer::kRecover), std::pair("###Keep", LostAnswer::kKeep),
+        std::pair("###Discard", LostAnswer::kDiscard)}) {
+    EditUi ui(parsed_rig(kUiRig));
+    std::optional<LostAnswer> answer;
+    ui.more = [&] {
+      if (const auto one = draw_lost_edits("12:31", false, 1)) answer = one;
+    };
+    for (int i = 0; i < 3; ++i) ui.frame();
+    CHECK(contains(ui.words(), "automatic copy of 12:31."));
+    CHECK(!answer);
+    footlight::testing::activate("lost edits", {button});
+    ui.frame();
+    ui.frame();
+    CHECK(answer == expected);
   }
 }
 

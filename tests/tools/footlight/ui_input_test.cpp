@@ -239,6 +239,27 @@ TEST_CASE("a key that is pressed and released between two pictures is down in on
   taps.hold(down);
 }
 
+TEST_CASE("the key of the dead man's switch is held from its press to its release, or until the window loses it") {
+  HeldKey key(kHoldKey);
+  CHECK(!key.held());
+  key.take_key(GLFW_KEY_END, GLFW_PRESS);
+  CHECK(key.held());
+  key.take_key(GLFW_KEY_HOME, GLFW_RELEASE);
+  key.take_key(GLFW_KEY_END, GLFW_REPEAT);
+  CHECK(key.held());
+  key.take_key(GLFW_KEY_END, GLFW_RELEASE);
+  CHECK(!key.held());
+  key.take_key(GLFW_KEY_END, GLFW_PRESS);
+  key.let_go();
+  CHECK(!key.held());
+  key.take_key(GLFW_KEY_END, GLFW_REPEAT);  // of a press that the window has not seen
+  CHECK(!key.held());
+  // It means nothing else, with whatever other keys are held.
+  for (const int mods : {0, GLFW_MOD_SHIFT, GLFW_MOD_CONTROL, GLFW_MOD_CONTROL | GLFW_MOD_SHIFT}) {
+    CHECK(!call_of({kHoldKey, mods, false}));
+  }
+}
+
 TEST_CASE("a drag between two pictures begins where the button went down and ends where it went up") {
   MouseQueue mouse;
   CHECK(!mouse.next());

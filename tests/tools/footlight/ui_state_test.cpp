@@ -29,10 +29,11 @@ struct Snapshot {
   std::map<ChannelKey, std::uint32_t> taken;
   glm::dvec3 camera_m{0};
   Exposure exposure;
+  PictureLook look;
   bool operator==(const Snapshot&) const = default;
 };
 Snapshot snapshot(const UiState& state) {
-  return {state.selection, state.taken, state.camera.camera().position_m, state.exposure};
+  return {state.selection, state.taken, state.camera.camera().position_m, state.exposure, state.look};
 }
 
 int channel_named(const UiDesk& desk, int fixture, std::string_view name) {
@@ -56,13 +57,17 @@ TEST_CASE("undo gives every state from before, and redo every state after it") {
   while (states.size() < 200) {
     desk.begin_gesture();
     const int fixture = static_cast<int>(random() % 4);
-    switch (random() % 8) {
+    switch (random() % 9) {
       case 0: desk.select(fixture, random() % 2 == 0); break;
       case 1: desk.select_all(); break;
       case 2: desk.take({fixture, static_cast<int>(random() % 3)}, random() % 256, dark(desk)); break;
       case 3: desk.release({fixture, static_cast<int>(random() % 3)}, dark(desk)); break;
       case 4: desk.release_all(); break;
       case 5: desk.set_exposure({static_cast<float>(random() % 4), random() % 2 == 0}); break;
+      case 6:
+        desk.set_look({random() % 2 == 0 ? render::ToneCurve::kAgx : render::ToneCurve::kLinear, random() % 2 == 0,
+                       static_cast<float>(3000 + random() % 3), static_cast<float>(random() % 3)});
+        break;
       default: {
         OrbitCamera camera = desk.state().camera;
         camera.orbit(0.1, 0.01);
@@ -104,6 +109,45 @@ TEST_CASE("a drag is undone as a whole, and the next drag alone") {
   CHECK(desk.state().taken.empty());
   desk.redo();
   CHECK(desk.state().taken.at(pan) == 1009);
+}
+
+TEST_CASE("commands that were carried out are listed with undo and redo, a drag once and one that is cancelled not") {
+  const auto rig = compiled_rig(parsed_rig(kUiRig));
+  UiDesk desk(rig.rig, rig.compiled);
+  const ChannelKey pan{0, channel_named(desk, 0, "Pan")};
+  desk.begin_gesture();
+  desk.select(0, false);
+  desk.begin_gesture();
+  for (std::uint32_t raw = 1000; raw < 1010; ++raw) desk.take(pan, raw, dark(desk));
+  desk.begin_gesture();
+  for (int i = 1; i <= 5; ++i) desk.set_exposure({static_cast<float>(i), false});
+  desk.begin_gesture();
+  desk.set_exposure({5, false});  // as it is
+  desk.undo();
+  desk.redo();
+  desk.begin_gesture();
+  desk.take(pan, 7, dark(desk));
+  desk.drop_gesture();
+  desk.begin_gesture();
+  PictureLook look = desk.state().look;
+  look.tone = render::ToneCurve::kLinear;
+  desk.set_look(look);
+  std::string all;
+  for (const DoneCommand& done : desk.take_done())
+    all += std::to_string(static_cast<int>(done.how)) + " " + done.text + "\n";
+  CHECK(all ==
+        "0 select Spot 1\n"
+        "0 set Pan of Spot 1\n"
+        "0 set the exposure to 5.00 EV\n"
+        "1 set the exposure to 5.00 EV\n"
+        "2 set the exposure to 5.00 EV\n"
+        "0 tone curve linear\n");
+  CHECK(desk.take_done().empty());
+  for (int i = 0; i < 1000; ++i) {
+    desk.begin_gesture();
+    desk.select(i % 2, false);
+  }
+  CHECK(desk.take_done().size() == 256);
 }
 
 TEST_CASE("two sliders in one gesture are two edits") {

@@ -229,6 +229,9 @@ bool press(Key key, const std::string& typed, MonitorState& state, MonitorView& 
       if (typed == "k") step_to(state, view, -1);
       if (typed == "j") step_to(state, view, 1);
       if (typed == "/") view.typing = true;
+      if (typed == "a") view.a = keep_moment(state);
+      if (typed == "b" && view.a) view.b = view.b ? std::nullopt : std::optional(keep_moment(state));
+      if (typed == "x") view.a = view.b = std::nullopt;
       break;
     case Key::kNone:
     case Key::kEnter:
@@ -353,6 +356,7 @@ extern const CommandInfo monitor_command{
         "  footlight monitor --once --columns 120     one picture, as text\n"
         "  footlight monitor sacn:1-9 --rig rig.toml  with fixture, attribute and value of a slot\n"
         "Up and down select the universe that is shown in full, space pauses, / filters, q quits.\n"
+        "a keeps this moment and marks what differs from it, b keeps the second one, x ends that.\n"
         "Changes of the last second are bright; NO_COLOR=1 turns colours off.",
     .add = add,
 };

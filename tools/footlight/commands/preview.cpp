@@ -46,6 +46,8 @@ void add(Arguments& arguments) {
   arguments.list("--output", options->outputs, "ENDPOINT",
                  "output of the picture's levels to real lamps, which sends nothing until it is armed in the window "
                  "(F6); may be given several times");
+  arguments.flag("--hold-to-live", options->hold_to_live,
+                 "a dead man's switch: armed outputs are live only while the key End is held in the window");
   arguments.duration("--at", options->at_ns, "start time in the log [0]");
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; default: its first one");
   arguments.option("--panels", options->panels, "WORDS",

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cctype>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include <locale.h>
 #include <wchar.h>
@@ -112,9 +116,51 @@ const MonitorSender* first_winner(const MonitorUniverse& universe) {
   return at == universe.senders.end() ? nullptr : &*at;
 }
 
-// The levels [begin, end) as blocks, with changes marked.
+// The comparison of two moments, if there is one.
+struct Compared {
+  MomentDifference difference;
+  MonitorMoment now;
+  const MonitorMoment* b = nullptr;  // what is compared with A: the kept moment, or `now`
+
+  // The slots of a universe that differ.
+  [[nodiscard]] std::bitset<kSlotCountMax> slots_of(Universe universe) const {
+    std::bitset<kSlotCountMax> differ;
+    for (const SlotDifference& one : of(universe)) differ.set(static_cast<std::size_t>(one.address - 1));
+    return differ;
+  }
+  [[nodiscard]] std::span<const SlotDifference> of(Universe universe) const {
+    const auto before = [](const SlotDifference& one, Universe wanted) { return one.universe < wanted; };
+    const auto& slots = difference.slots;
+    const auto from = std::lower_bound(slots.begin(), slots.end(), universe, before);
+    const auto to =
+        std::find_if(from, slots.end(), [&](const SlotDifference& one) { return one.universe != universe; });
+    return {from, to};
+  }
+};
+
+std::optional<Compared> compared(const MonitorState& state, const MonitorView& view) {
+  if (!view.a) return std::nullopt;
+  std::optional<Compared> both(std::in_place);
+  both->now = keep_moment(state);
+  both->b = view.b ? &*view.b : &both->now;
+  both->difference = compare_moments(view.a->levels, both->b->levels);
+  return both;
+}
+
+// The universe with the levels of the kept moment B, where there is one.
+MonitorUniverse as_compared(const MonitorUniverse& universe, const MonitorView& view) {
+  MonitorUniverse shown = universe;
+  if (!view.a || !view.b) return shown;
+  shown.levels.fill(0);
+  shown.changed_ns.fill(0);
+  const auto levels = LevelView(view.b->levels).of(universe.universe);
+  std::copy(levels.begin(), levels.end(), shown.levels.begin());
+  return shown;
+}
+
+// The levels [begin, end) as blocks, with changes marked, or with what differs.
 void add_blocks(Line& line, const MonitorUniverse& universe, TimeNs now_ns, int begin, int end, int groups,
-                std::string_view zero) {
+                std::string_view zero, const std::bitset<kSlotCountMax>* differ = nullptr) {
   const int count = end - begin;
   for (int g = 0; g < groups; ++g) {
     int level = 0;
@@ -123,9 +169,10 @@ void add_blocks(Line& line, const MonitorUniverse& universe, TimeNs now_ns, int 
          i < std::max(begin + (g + 1) * count / groups, begin + g * count / groups + 1); ++i) {
       const auto slot = static_cast<std::size_t>(i);
       level = std::max(level, static_cast<int>(universe.levels[slot]));
-      changed = changed || universe.heat(slot, now_ns) > 0;
+      changed = changed || (differ != nullptr ? differ->test(slot) : universe.heat(slot, now_ns) > 0);
     }
-    line.add(level == 0 ? zero : block_of(level), changed ? kChanged : level == 0 ? kDim : kGood);
+    const std::string_view mark = differ != nullptr ? kBar : kChanged;
+    line.add(level == 0 ? zero : block_of(level), changed ? mark : level == 0 ? kDim : kGood);
   }
 }
 
@@ -158,16 +205,46 @@ std::string port_line(const MonitorPort& port, const MonitorView& view) {
 
 constexpr int kNumberColumns = 8;
 
+// "A 12 s ago, B now: 3 slots differ, in 1 universe".
+std::string compared_line(const Compared& both, const MonitorState& state, const MonitorView& view) {
+  const auto ago = [&](const MonitorMoment& moment) {
+    return age_text(std::max<DurationNs>(state.now_ns - moment.at_ns, 0)) + " ago";
+  };
+  const std::size_t slots = both.difference.slots.size();
+  const auto universes = std::count_if(both.difference.universes.begin(), both.difference.universes.end(),
+                                       [](const MomentDifference::Count& one) { return one.slots > 0; });
+  Line line(view);
+  line.add(fmt::format(" A {}, B {}: ", ago(*view.a), view.b ? ago(*view.b) : "now"), kBold);
+  line.add(fmt::format("{} slot{} differ{}", slots, slots == 1 ? "" : "s", slots == 1 ? "s" : ""),
+           slots == 0 ? kGood : kWarn);
+  if (slots > 0) line.add(fmt::format(", in {} universe{}", universes, universes == 1 ? "" : "s"), kWarn);
+  return line.take();
+}
+
+// "2: 17 0>255, 18 0>40": the slots of the selected universe, as many as fit.
+std::string differences_line(const Compared& both, Universe universe, const MonitorView& view) {
+  Line line(view);
+  line.add(fmt::format(" {}: ", universe), kBar);
+  const auto slots = both.of(universe);
+  if (slots.empty()) line.add(" no slot differs", kDim);
+  for (std::size_t i = 0; i < slots.size() && line.columns() < view.columns; ++i) {
+    line.add(fmt::format("{} {} {}>{}", i == 0 ? "" : ",", slots[i].address, slots[i].a, slots[i].b));
+  }
+  return line.take();
+}
+
 std::string table_head(const MonitorView& view) {
   Line line(view);
   const int name_columns = std::clamp(view.columns / 4, 8, 32);
-  line.add(fmt::format("{:>{}} {:>7} {:>7} {:>4}  ", "universe", kNumberColumns, "rate", "age", "prio"), kDim);
+  line.add(
+      fmt::format("{:>{}} {:>7} {:>7} {:>4}  ", "universe", kNumberColumns, "rate", "age", view.a ? "diff" : "prio"),
+      kDim);
   line.add(field("sender", name_columns), kDim).add(" levels 1-512", kDim);
   return line.take();
 }
 
 std::string universe_line(const MonitorUniverse& universe, const MonitorState& state, const MonitorView& view,
-                          bool selected) {
+                          bool selected, const Compared* both) {
   Line line(view);
   const bool received = universe.revision != 0;
   const DurationNs age_ns = std::max<DurationNs>(state.now_ns - universe.stamp_ns, 0);
@@ -176,7 +253,12 @@ std::string universe_line(const MonitorUniverse& universe, const MonitorState& s
            selected ? kBold : "");
   line.add(fmt::format("{:7.1f} ", universe.rate_hz), silent ? kDim : "");
   line.add(fmt::format("{:>7} ", received ? age_text(age_ns) : "never"), silent ? kBad : "");
-  line.add(fmt::format("{:>4}  ", received ? fmt::format("{}", universe.priority) : ""));
+  if (both != nullptr) {
+    const int slots = both->difference.slots_of(universe.universe);
+    line.add(fmt::format("{:>4}  ", slots), slots > 0 ? kWarn : kDim);
+  } else {
+    line.add(fmt::format("{:>4}  ", received ? fmt::format("{}", universe.priority) : ""));
+  }
   const MonitorSender* const winner = first_winner(universe);
   const int others = universe.sender_count - (winner == nullptr ? 0 : 1);
   std::string name = winner == nullptr ? (universe.sender_count == 0 ? "none" : "") : winner->name;
@@ -218,21 +300,22 @@ std::string meaning_line(const MonitorUniverse& universe, const MonitorView& vie
   return line.take();
 }
 
-std::string grid_line(const MonitorUniverse& universe, const MonitorState& state, const MonitorView& view, int row) {
+std::string grid_line(const MonitorUniverse& universe, const MonitorState& state, const MonitorView& view, int row,
+                      const std::bitset<kSlotCountMax>* differ) {
   Line line(view);
   const bool numbers = numbers_fit(view);
   const int per_row = numbers ? kNumbersPerRow : kBlocksPerRow;
   const int begin = row * per_row;
   line.add(fmt::format("{:>4} ", begin + 1), kDim);
   if (!numbers) {
-    add_blocks(line, universe, state.now_ns, begin, begin + per_row, per_row, "·");
+    add_blocks(line, universe, state.now_ns, begin, begin + per_row, per_row, "·", differ);
     return line.take();
   }
   for (int i = begin; i < begin + per_row; ++i) {
     const auto slot = static_cast<std::size_t>(i);
-    const bool changed = universe.heat(slot, state.now_ns) > 0;
+    const bool changed = differ != nullptr ? differ->test(slot) : universe.heat(slot, state.now_ns) > 0;
     const std::string_view style = view.explains && i == view.slot ? kBar
-                                   : changed                       ? kChanged
+                                   : changed                       ? differ != nullptr ? kBad : kChanged
                                    : universe.levels[slot] == 0    ? kDim
                                                                    : std::string_view{};
     line.add(fmt::format("{:>3}", universe.levels[slot]), style).add(" ");
@@ -250,6 +333,7 @@ std::string footer(const MonitorState& state, const MonitorView& view) {
     line.add(view.explains ? " up/down: universe   left/right: slot   space: pause   /: filter   q: quit"
                            : " up/down: universe   space: pause   /: filter   q: quit",
              kDim);
+    line.add(view.a ? "   a, b: keep A, B   x: end" : "   a: compare", kDim);
     if (!view.filter.empty()) line.add(fmt::format("   filter: {}", view.filter), kWarn);
   }
   return line.take();
@@ -307,7 +391,54 @@ const MonitorUniverse* shown_universe(const MonitorState& state, const MonitorVi
   return at == state.universes.end() ? nullptr : &*at;
 }
 
+MonitorMoment keep_moment(const MonitorState& state) {
+  MonitorMoment moment;
+  moment.at_ns = state.now_ns;
+  for (const MonitorUniverse& one : state.universes) {
+    if (one.revision == 0) continue;
+    moment.levels.universes.push_back(one.universe);
+    moment.levels.levels.insert(moment.levels.levels.end(), one.levels.begin(), one.levels.end());
+  }
+  return moment;
+}
+
+namespace {
+
+// What is below the table: the selected universe with its senders and levels.
+std::vector<std::string> selected_lines(const MonitorUniverse& universe, const MonitorState& state,
+                                        const MonitorView& view, const Compared* both) {
+  const auto rows = static_cast<std::size_t>(std::max(view.rows, 1));
+  std::vector<std::string> below;
+  const std::size_t senders_max = rows < 16 ? 0 : std::max<std::size_t>(2, rows / 10);
+  Line title(view);
+  title.add(fmt::format("universe {}", universe.universe), kBold)
+      .add(fmt::format("  {} {}", universe.sender_count, universe.sender_count == 1 ? "sender" : "senders"));
+  if (universe.frames_refused != 0) title.add(fmt::format("  {} frames refused", universe.frames_refused), kWarn);
+  if (rows >= 30) below.push_back(title.take());  // else the mark in the table is enough
+  for (std::size_t i = 0; i < universe.senders.size() && i < senders_max; ++i) {
+    below.push_back(i + 1 == senders_max && universe.senders.size() > senders_max
+                        ? fmt::format("      and {} more", universe.senders.size() - i)
+                        : sender_line(universe.senders[i], view));
+  }
+  const MonitorUniverse shown = as_compared(universe, view);
+  const std::bitset<kSlotCountMax> differ =
+      both != nullptr ? both->slots_of(universe.universe) : std::bitset<kSlotCountMax>();
+  const int grid_rows = numbers_fit(view) ? kSlotCountMax / kNumbersPerRow : kSlotCountMax / kBlocksPerRow;
+  if (rows >= 14) {
+    for (int row = 0; row < grid_rows; ++row) {
+      below.push_back(grid_line(shown, state, view, row, both != nullptr ? &differ : nullptr));
+    }
+  }
+  if (both != nullptr && rows >= 7) below.push_back(differences_line(*both, universe.universe, view));
+  if (view.explains && rows >= 6) below.push_back(meaning_line(shown, view));
+  return below;
+}
+
+}  // namespace
+
 std::vector<std::string> draw_monitor(const MonitorState& state, const MonitorView& view) {
+  const std::optional<Compared> comparison = compared(state, view);
+  const Compared* const both = comparison ? &*comparison : nullptr;
   const auto rows = static_cast<std::size_t>(std::max(view.rows, 1));
   std::vector<const MonitorUniverse*> shown;
   for (const Universe number : shown_universes(state, view.filter)) {
@@ -321,25 +452,7 @@ std::vector<std::string> draw_monitor(const MonitorState& state, const MonitorVi
   std::vector<std::string> lines = {header(state, view, shown.size())};
   // The part below the table has a fixed size and is laid out first. The table gets the rest.
   std::vector<std::string> below;
-  if (!shown.empty()) {
-    const MonitorUniverse& universe = *shown[selected];
-    const std::size_t senders_max = rows < 16 ? 0 : std::max<std::size_t>(2, rows / 10);
-    Line title(view);
-    title.add(fmt::format("universe {}", universe.universe), kBold)
-        .add(fmt::format("  {} {}", universe.sender_count, universe.sender_count == 1 ? "sender" : "senders"));
-    if (universe.frames_refused != 0) title.add(fmt::format("  {} frames refused", universe.frames_refused), kWarn);
-    if (rows >= 30) below.push_back(title.take());  // else the mark in the table is enough
-    for (std::size_t i = 0; i < universe.senders.size() && i < senders_max; ++i) {
-      below.push_back(i + 1 == senders_max && universe.senders.size() > senders_max
-                          ? fmt::format("      and {} more", universe.senders.size() - i)
-                          : sender_line(universe.senders[i], view));
-    }
-    const int grid_rows = numbers_fit(view) ? kSlotCountMax / kNumbersPerRow : kSlotCountMax / kBlocksPerRow;
-    if (rows >= 14) {
-      for (int row = 0; row < grid_rows; ++row) below.push_back(grid_line(universe, state, view, row));
-    }
-    if (view.explains && rows >= 6) below.push_back(meaning_line(universe, view));
-  }
+  if (!shown.empty()) below = selected_lines(*shown[selected], state, view, both);
   if (!state.note.empty() && rows >= 10) {
     Line note(view);
     note.add(cut_to(" " + state.note, view.columns), kWarn);
@@ -351,6 +464,7 @@ std::vector<std::string> draw_monitor(const MonitorState& state, const MonitorVi
     lines.push_back(last ? cut_to(fmt::format("    and {} more ports", state.ports.size() - i), view.columns)
                          : port_line(state.ports[i], view));
   }
+  if (both != nullptr && rows >= 5) lines.push_back(compared_line(*both, state, view));
   if (rows >= 4) lines.push_back(table_head(view));
 
   const std::size_t used = lines.size() + below.size() + 1;
@@ -358,7 +472,7 @@ std::vector<std::string> draw_monitor(const MonitorState& state, const MonitorVi
   const std::size_t first =
       selected < table_rows / 2 ? 0 : std::min(selected - table_rows / 2, shown.size() - table_rows);
   for (std::size_t i = first; i < first + table_rows; ++i) {
-    lines.push_back(universe_line(*shown[i], state, view, i == selected));
+    lines.push_back(universe_line(*shown[i], state, view, i == selected, both));
   }
   if (shown.empty() && lines.size() < rows) {
     lines.push_back(

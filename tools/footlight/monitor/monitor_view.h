@@ -2,13 +2,23 @@
 // output in terminal.h.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "tools/footlight/monitor/level_moment.h"
 #include "tools/footlight/monitor/monitor_state.h"
 
 namespace footlight::tools {
+
+// The levels of all universes at a moment that the user kept, to compare them.
+struct MonitorMoment {
+  LevelMoment levels;
+  TimeNs at_ns = 0;  // MonitorState::now_ns of it
+};
+// Of now. A universe without a frame so far is not in it.
+[[nodiscard]] MonitorMoment keep_moment(const MonitorState& state);
 
 struct MonitorView {
   int columns = 80;
@@ -22,6 +32,9 @@ struct MonitorView {
   bool explains = false;
   int slot = 0;
   std::string meaning;  // of it; empty: nothing uses it
+  // Two moments that are compared; b: nothing: now. Without a nothing is compared.
+  std::optional<MonitorMoment> a;
+  std::optional<MonitorMoment> b;
 };
 
 // The universe that is shown in full; nullptr: there is none.

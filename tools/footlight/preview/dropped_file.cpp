@@ -24,4 +24,26 @@ Result<DroppedKind> kind_of_dropped(const std::string& path) {
               path);
 }
 
+DroppedFiles sort_dropped(const std::vector<std::string>& paths) {
+  DroppedFiles dropped;
+  const auto replace = [&](std::string& with, const std::string& path) {
+    if (!with.empty()) {
+      dropped.refused.push_back(
+          fail(ErrorCode::kBadInput, "{}: is not opened, since {} was dropped with it", with, path).value());
+    }
+    with = path;
+  };
+  for (const std::string& path : paths) {
+    auto kind = kind_of_dropped(path);
+    if (!kind) {
+      dropped.refused.push_back(std::move(kind).error());
+    } else if (*kind == DroppedKind::kDefinition) {
+      dropped.definitions.push_back(path);
+    } else {
+      replace(*kind == DroppedKind::kRig ? dropped.rig : dropped.log, path);
+    }
+  }
+  return dropped;
+}
+
 }  // namespace footlight::tools

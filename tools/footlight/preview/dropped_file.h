@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "sim/core/result.h"
 
@@ -15,5 +16,14 @@ enum class DroppedKind {
 };
 // Reads the head of the file; of a TOML file all of it. Errors name the file and what can be dropped.
 [[nodiscard]] Result<DroppedKind> kind_of_dropped(const std::string& path);
+
+// What files do that were dropped together.
+struct DroppedFiles {
+  std::vector<std::string> definitions;
+  std::string rig;             // the last one; empty: none
+  std::string log;             // the last one; empty: none
+  std::vector<Error> refused;  // those that are nothing, and rigs and logs that another one of the drop replaces
+};
+[[nodiscard]] DroppedFiles sort_dropped(const std::vector<std::string>& paths);
 
 }  // namespace footlight::tools

@@ -34,6 +34,10 @@ void KeyPresses::take_character(unsigned int character) {
   presses_.push_back({kTyped + static_cast<int>(character), 0, repeated_});
 }
 
+void HeldKey::take_key(int key, int action) {
+  if (key == key_ && action != GLFW_REPEAT) held_ = action == GLFW_PRESS;
+}
+
 void KeyTaps::take_key(int key, int action) {
   if (key < 0 || static_cast<std::size_t>(key) >= kKeys || action == GLFW_REPEAT) return;
   down_[static_cast<std::size_t>(key)] = action == GLFW_PRESS;

@@ -36,6 +36,22 @@ class KeyPresses {
   bool repeated_ = false;
 };
 
+// Whether one key is held, for what may go on only while somebody holds it. In doubt it is not held: let_go() is for
+// a window that lost the keyboard or is iconified, after which no release is reported.
+class HeldKey {
+ public:
+  // A GLFW_KEY_..., wherever the layout of the keyboard has it.
+  explicit HeldKey(int key) : key_(key) {}
+  // As GLFW's callback gives them. A repeat presses nothing.
+  void take_key(int key, int action);
+  void let_go() { held_ = false; }
+  [[nodiscard]] bool held() const { return held_; }
+
+ private:
+  int key_;
+  bool held_ = false;
+};
+
 // Keys for fields of text, which look at each picture whether a key is down: one that was pressed and released between
 // two pictures is down in the next one. Presses of one key in that time count once, and in two pictures twice.
 class KeyTaps {

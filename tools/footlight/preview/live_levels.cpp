@@ -29,8 +29,21 @@ Result<std::unique_ptr<LiveLevels>> LiveLevels::start(std::span<const Universe> 
     self->notices_.emplace_back(notice.text);
   };
   live->pump_ = std::make_unique<Pump>(*live->universes_, clock, *live->waiter_, options);
+  const auto name_of = [self = live.get()](const FrameView& frame) -> std::string {
+    std::string name;
+    for (const Source* source : self->named_) {
+      const auto carried = source->universes();
+      if (std::find(carried.begin(), carried.end(), frame.universe) == carried.end()) continue;
+      if (std::string sender = source->sender_text(frame.sender); !sender.empty()) return sender;
+      if (name.empty()) name = source->name();
+    }
+    return name;
+  };
+  live->unpatched_ = std::make_unique<UnpatchedLevels>(universes, name_of);
+  live->pump_->add_tap(*live->unpatched_);
   for (auto& source : sources) {
     live->pump_->add_source(*source);
+    live->named_.push_back(source.get());
     live->keep(std::move(source));
   }
   live->trail_ = std::make_unique<SnapshotTrail>(*live->universes_);
@@ -54,7 +67,10 @@ LiveLevels::~LiveLevels() {
 }
 
 void LiveLevels::add(std::unique_ptr<Source> source) {
-  pump_->call([this, added = source.get()] { pump_->add_source(*added); });
+  pump_->call([this, added = source.get()] {
+    pump_->add_source(*added);
+    named_.push_back(added);
+  });
   keep(std::move(source));
 }
 

@@ -15,6 +15,7 @@
 #include "sim/pump.h"
 #include "sim/snapshot_trail.h"
 #include "sim/universes.h"
+#include "tools/footlight/preview/unpatched_levels.h"
 
 namespace footlight::tools {
 
@@ -45,6 +46,9 @@ class LiveLevels {
   // True if a source receives this universe.
   [[nodiscard]] bool fed(Universe universe) const;
 
+  // Universes that arrive and are not among universes(): as UnpatchedLevels::take().
+  void take_unpatched(std::vector<UnpatchedUniverse>& into) { unpatched_->take(into); }
+
   // The input of a timeline: every change with its time, on the clock of start(). Only for the thread of take(); valid
   // as long as this object.
   [[nodiscard]] LevelChanges& changes() { return *trail_; }
@@ -62,6 +66,8 @@ class LiveLevels {
   std::unique_ptr<Waiter> waiter_;
   std::vector<std::unique_ptr<Source>> sources_;
   std::vector<Universe> fed_;  // ascending
+  std::vector<const Source*> named_;  // sources_, for the pump's thread
+  std::unique_ptr<UnpatchedLevels> unpatched_;
   std::unique_ptr<SnapshotTrail> trail_;
   std::unique_ptr<Pump> pump_;
   std::vector<std::uint8_t> levels_;

@@ -32,6 +32,17 @@ bool ready(const std::future<T>& future) {
   return future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
+// What a change of darkness is told with; empty: nothing. Those of the dead man's switch are in the band.
+std::string words_of(Darkness now, Darkness before) {
+  switch (now) {
+    case Darkness::kAsked: return "blackout: all armed outputs send zeros";
+    case Darkness::kSilence: return "blackout: the window gave no levels for 2.5 s; Shift+B ends it";
+    case Darkness::kNotHeld: return "";
+    case Darkness::kNone: return before == Darkness::kNotHeld ? "" : "the blackout has ended";
+  }
+  return "";
+}
+
 Status check_kind(const Endpoint& endpoint) {
   const bool input = endpoint.kind == EndpointKind::kGpio || endpoint.kind == EndpointKind::kControl ||
                      endpoint.scheme == "audio" || plays_pattern(endpoint);
@@ -249,10 +260,23 @@ void LiveOutputs::lift() {
   pump_->call([this] { feed_->hurry(); });
 }
 
+void LiveOutputs::need_hold(bool on) {
+  const Darkness before = darkness();
+  feed_->need_hold(on);
+  if (darkness() != before) pump_->call([this] { feed_->hurry(); });
+}
+
+void LiveOutputs::hold(bool held) {
+  const Darkness before = darkness();
+  feed_->hold(clock_->now_ns(), held);
+  if (darkness() != before) pump_->call([this] { feed_->hurry(); });
+}
+
 void LiveOutputs::follow(OutputsView& view) {
   for (const std::size_t index : std::exchange(view.arm, {})) arm(index);
   for (const std::size_t index : std::exchange(view.disarm, {})) disarm(index);
   if (const auto blackout = std::exchange(view.blackout, std::nullopt)) *blackout ? black_out() : lift();
+  need_hold(view.needs_hold);
 
   const bool any_armed =
       std::any_of(outputs_.begin(), outputs_.end(), [](const Output& one) { return one.state == ArmState::kArmed; });
@@ -277,10 +301,8 @@ void LiveOutputs::follow(OutputsView& view) {
     if (port != status.ports.end()) row.status = *port;
   }
   view.darkness = darkness();
-  if (view.darkness != std::exchange(noted_, view.darkness)) {
-    note(view.darkness == Darkness::kNone    ? "the blackout has ended"
-         : view.darkness == Darkness::kAsked ? "blackout: all armed outputs send zeros"
-                                             : "blackout: the window gave no levels for 2.5 s; Shift+B ends it");
+  if (const Darkness before = std::exchange(noted_, view.darkness); view.darkness != before) {
+    if (std::string words = words_of(noted_, before); !words.empty()) note(std::move(words));
   }
 }
 

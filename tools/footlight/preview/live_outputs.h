@@ -85,6 +85,9 @@ class LiveOutputs {
   void disarm(std::size_t index);
   void black_out();
   void lift();
+  // As of OutputFeed. follow() asks for the first one.
+  void need_hold(bool on);
+  void hold(bool held);
   [[nodiscard]] Darkness darkness() const { return feed_->darkness(); }
 
   // Events since the last call, such as an output that was armed or is lost. At most the last 64.

@@ -88,6 +88,37 @@ void OutputFeed::lift(TimeNs now_ns) {
   darkness_.store(Darkness::kNone);
 }
 
+Darkness OutputFeed::darkness() const {
+  const Darkness latched = darkness_.load();
+  if (latched != Darkness::kNone) return latched;
+  const Hold hold = hold_.load();
+  return hold == Hold::kNotNeeded || hold == Hold::kDown ? Darkness::kNone : Darkness::kNotHeld;
+}
+
+void OutputFeed::need_hold(bool on) {
+  const Hold before = hold_.load();
+  if (on == (before != Hold::kNotNeeded)) return;
+  if (!on && before != Hold::kDown) {  // lamps do not light up because nobody holds the key any more
+    Darkness none = Darkness::kNone;
+    darkness_.compare_exchange_strong(none, Darkness::kAsked);
+  }
+  hold_.store(on ? Hold::kWaits : Hold::kNotNeeded);
+}
+
+void OutputFeed::end_old_hold(TimeNs now_ns) {
+  Hold down = Hold::kDown;
+  if (now_ns - held_ns_.load() > kHeldMaxNs) hold_.compare_exchange_strong(down, Hold::kWaits);
+}
+
+void OutputFeed::hold(TimeNs now_ns, bool held) {
+  if (hold_.load() == Hold::kNotNeeded) return;
+  if (!held) return hold_.store(Hold::kUp);
+  end_old_hold(now_ns);
+  held_ns_.store(now_ns);
+  Hold up = Hold::kUp;
+  hold_.compare_exchange_strong(up, Hold::kDown);
+}
+
 void OutputFeed::count_armed(int change) {
   armed_ += change;
   hurry();
@@ -100,7 +131,8 @@ Status OutputFeed::poll(TimeNs now_ns, FrameReceiver& receiver) {
     Darkness none = Darkness::kNone;
     darkness_.compare_exchange_strong(none, Darkness::kSilence);
   }
-  const bool dark = darkness_.load() != Darkness::kNone;
+  end_old_hold(now_ns);
+  const bool dark = darkness() != Darkness::kNone;
   const auto numbers = given_.numbers();
   ++sequence_;
   for (std::size_t i = 0; i < numbers.size(); ++i) {

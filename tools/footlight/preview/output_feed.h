@@ -5,6 +5,8 @@
 // ones on kOutputRateHz times a second. In a blackout it passes zeros instead. If the window's thread gave nothing for
 // kSilenceMaxNs while an output is armed, a blackout begins, since the user can then not begin one.
 //
+// need_hold() makes it a dead man's switch: lamps are lit only while a key is held, and the window says so each turn.
+//
 // Threads: give() belongs to the window's thread, what is marked so to the pump's. Neither waits for the other.
 #pragma once
 
@@ -25,6 +27,7 @@ class OutputFeed final : public Source {
  public:
   static constexpr int kOutputRateHz = 44;                       // E1.11's highest rate of full universes
   static constexpr DurationNs kSilenceMaxNs = 2'500 * kNsPerMs;  // after which E1.31 counts a sender as lost
+  static constexpr DurationNs kHeldMaxNs = 500 * kNsPerMs;       // for which a key that was held counts as held
 
   // universes: those of the outputs, at least one.
   explicit OutputFeed(std::span<const Universe> universes) : given_(universes) {}
@@ -39,7 +42,13 @@ class OutputFeed final : public Source {
   void black_out() { darkness_.store(Darkness::kAsked); }
   // Ends any blackout. For the window's thread, which is alive.
   void lift(TimeNs now_ns);
-  [[nodiscard]] Darkness darkness() const { return darkness_.load(); }
+  [[nodiscard]] Darkness darkness() const;
+
+  // The window's thread. on: zeros are sent but while a key is held, from the next poll() on, and first of all the key
+  // has to go up. Off again while it is not held: a blackout that the user ends.
+  void need_hold(bool on);
+  // Once a turn: whether the key is held. If this says nothing for kHeldMaxNs, the key has to go up and down again.
+  void hold(TimeNs now_ns, bool held);
 
   // The pump's thread. One more or one less output is armed. Without any, nothing is passed on.
   void count_armed(int change);
@@ -57,6 +66,15 @@ class OutputFeed final : public Source {
   Universes given_;                   // written by the window's thread
   std::atomic<TimeNs> given_ns_ = 0;  // of the last give() or lift()
   std::atomic<Darkness> darkness_ = Darkness::kNone;
+  enum class Hold : std::uint8_t {
+    kNotNeeded,
+    kWaits,  // for the key to go up
+    kUp,
+    kDown,
+  };
+  void end_old_hold(TimeNs now_ns);
+  std::atomic<Hold> hold_ = Hold::kNotNeeded;
+  std::atomic<TimeNs> held_ns_ = 0;  // when hold() said so last
 
   // The pump's thread.
   int armed_ = 0;

@@ -18,6 +18,7 @@ struct PreviewOptions {
   SceneFiles files;
   std::vector<std::string> ins;      // endpoints; if there are any but controls, no log drives the rig
   std::vector<std::string> outputs;  // endpoints to real lamps; each sends nothing until the user arms it
+  bool hold_to_live = false;         // outputs are live only while a key is held
   std::string socket = "auto";       // for commands by hand: a file, auto or none
   std::string compare;               // log whose levels are compared with those of the window; empty: none
   std::string compare_stage = "off";  // or "beside", "difference": A and B of the comparison on the stage

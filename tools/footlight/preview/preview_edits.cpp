@@ -236,7 +236,12 @@ void Preview::draw_questions() {
     const auto when = fmt::localtime(static_cast<std::time_t>(lost_->written_s));
     if (const auto answer = draw_lost_edits(fmt::format("{:%H:%M, %d %B}", when), lost_->older, window_->ui_scale())) {
       if (*answer == LostAnswer::kDiscard) discard_lost_edits(*lost_);
-      lost_.reset();
+      if (*answer == LostAnswer::kRecover) {
+        next_ = NextWindow{"", "", true};
+        closing_ = true;
+      } else {
+        lost_.reset();
+      }
     }
   }
   draw_open_question();

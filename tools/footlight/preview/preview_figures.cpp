@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <imgui/imgui.h>
+
 #include "tools/footlight/pictures/numbered_file.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/preview/preview_window.h"
@@ -39,6 +41,7 @@ nlohmann::json figures_of(const PreviewFacts& facts, const Times& times, const r
                          {"ui_frame_ms_p50", times.turns.quantile_ms(0.5)},
                          {"ui_frame_ms_p90", times.turns.quantile_ms(0.9)},
                          {"ui_frame_ms_p99", times.turns.quantile_ms(0.99)},
+                         {"ui_frame_ms_max", times.turns.quantile_ms(1)},
                          {"show_frames", times.shows.count()},
                          {"show_ms_p50", times.shows.quantile_ms(0.5)},
                          {"show_ms_p90", times.shows.quantile_ms(0.9)},
@@ -67,12 +70,39 @@ nlohmann::json figures_of(const PreviewFacts& facts, const Times& times, const r
   return line;
 }
 
+// Texts may have names of the user, which need not be UTF-8.
+void print_event(const nlohmann::json& line) {
+  fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  std::fflush(stdout);
+}
+
+const char* word_of(DoneCommand::How how) {
+  switch (how) {
+    case DoneCommand::How::kRun: return "run";
+    case DoneCommand::How::kUndo: return "undo";
+    case DoneCommand::How::kRedo: return "redo";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::vector<std::uint64_t> Preview::view_pictures() const {
   std::vector<std::uint64_t> pictures;
   for (std::size_t i = 0; i < static_cast<std::size_t>(views()); ++i) pictures.push_back(views_[i].pictures);
   return pictures;
+}
+
+void Preview::print_message(const std::string& text, bool wrong) {
+  print_event({{"event", "message"}, {"text", text}, {"wrong", wrong}});
+}
+
+// What was carried out since the last time. A drag is printed at its end.
+void Preview::print_commands() {
+  if (options_.json && ImGui::IsAnyMouseDown()) return;
+  for (const DoneCommand& done : desk_->take_done()) {
+    if (options_.json) print_event({{"event", "command"}, {"how", word_of(done.how)}, {"text", done.text}});
+  }
 }
 
 void Preview::print_second() {

@@ -22,20 +22,17 @@ std::string name_of(const std::string& path) { return std::filesystem::path(path
 
 }  // namespace
 
-// Definitions are added at once; the last rig or log is asked about.
+// Definitions are added at once; the last rig and the last log of a drop are asked about.
 void Preview::take_drops() {
-  for (const std::string& path : window_->take_drops()) open_dropped(path);
+  open_dropped(window_->take_drops());
 }
 
-void Preview::open_dropped(const std::string& path) {
-  const auto kind = kind_of_dropped(path);
-  if (!kind) {
-    tell(kind.error());
-  } else if (*kind == DroppedKind::kDefinition) {
-    add_definition(path);
-  } else {
-    ask_to_open(*kind == DroppedKind::kRig ? Next{path, "", ""} : Next{"", path, saved_as_});
-  }
+void Preview::open_dropped(const std::vector<std::string>& paths) {
+  const DroppedFiles dropped = sort_dropped(paths);
+  for (const Error& refused : dropped.refused) tell(refused);
+  for (const std::string& path : dropped.definitions) add_definition(path);
+  if (dropped.rig.empty() && dropped.log.empty()) return;
+  ask_to_open({dropped.rig, dropped.log, false, dropped.rig.empty() ? saved_as_ : ""});
 }
 
 void Preview::open_dialog(FileDialog::Use use) {
@@ -58,7 +55,7 @@ void Preview::open_dialog(FileDialog::Use use) {
 void Preview::take_dialog() {
   const auto chosen = dialog_.draw(window_->ui_scale());
   if (!chosen) return;
-  if (chosen->use == FileDialog::Use::kOpen) return open_dropped(chosen->path);
+  if (chosen->use == FileDialog::Use::kOpen) return open_dropped({chosen->path});
   save_as(chosen->path, chosen->replaces);
 }
 
@@ -90,10 +87,12 @@ void Preview::add_definition(const std::string& path) {
            fixtures::mode_of(desk_->edited(), one).name, fixtures::text_of_patch(one)));
 }
 
-void Preview::ask_to_open(Next next) {
+void Preview::ask_to_open(NextWindow next) {
   std::error_code trouble;
-  const std::string& path = next.rig.empty() ? next.log : next.rig;
-  if (!std::filesystem::exists(path, trouble)) return tell(trf("{}: there is no such file", path), true);
+  for (const std::string& path : {next.rig, next.log}) {
+    if (path.empty() || std::filesystem::exists(path, trouble)) continue;
+    return tell(trf("{}: there is no such file", path), true);
+  }
   asked_next_ = std::move(next);
 }
 
@@ -101,11 +100,14 @@ void Preview::ask_to_open(Next next) {
 void Preview::draw_open_question() {
   if (!asked_next_ || asks_close_) return;
   const bool rig = !asked_next_->rig.empty();
-  std::string then = rig ? tr("The window opens again with this rig, driven as before; a log is closed.")
-                         : tr("The window opens again with this rig and the log; inputs are closed.");
+  const bool both = rig && !asked_next_->log.empty();
+  std::string then = both  ? tr("The window opens again with both; inputs are closed.")
+                     : rig ? tr("The window opens again with this rig, driven as before; a log is closed.")
+                           : tr("The window opens again with this rig and the log; inputs are closed.");
   if (outputs_ && outputs_view_.any_on()) then += tr(" Armed outputs go dark.");
-  const auto answer =
-      open_question_.draw(trf("Open {}?", name_of(rig ? asked_next_->rig : asked_next_->log)), then, !rig);
+  const std::string what = both ? trf("Open {} with {}?", name_of(asked_next_->rig), name_of(asked_next_->log))
+                                : trf("Open {}?", name_of(rig ? asked_next_->rig : asked_next_->log));
+  const auto answer = open_question_.draw(what, then, !rig);
   if (!answer) return;
   if (*answer == OpenAnswer::kOpen) {
     next_ = std::move(asked_next_);

@@ -13,13 +13,12 @@
 
 namespace footlight::tools {
 
-bool Preview::controls(const std::string& text) { return is_control(text).value_or(false); }
-
 Preview::Preview(const PreviewOptions& options)
     : options_(options),
       opener_(clock_),
-      starts_without_inputs_(std::all_of(options.ins.begin(), options.ins.end(), controls)) {
-  for (const std::string& text : options.ins) (controls(text) ? controls_in_ : ins_).push_back(text);
+      starts_without_inputs_(std::all_of(options.ins.begin(), options.ins.end(), sets_levels_by_hand)) {
+  outputs_view_.needs_hold = options.hold_to_live;
+  for (const std::string& text : options.ins) (sets_levels_by_hand(text) ? controls_in_ : ins_).push_back(text);
 }
 
 Status Preview::open_hand() {

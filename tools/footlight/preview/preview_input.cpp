@@ -9,14 +9,15 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/actions.h"
+#include "tools/footlight/preview/ui/draw_busy.h"
 #include "tools/footlight/preview/ui/draw_handles.h"
 #include "tools/footlight/preview/ui/draw_measure.h"
-#include "tools/footlight/preview/ui/draw_busy.h"
 #include "tools/footlight/preview/ui/escape.h"
 #include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/live_band.h"
 #include "tools/footlight/preview/ui/menu.h"
-#include "tools/footlight/preview/ui/rig_editor.h"
+#include "tools/footlight/preview/ui/run_action.h"
 #include "tools/footlight/preview/ui/stage_marks.h"
 #include "tools/footlight/preview/ui/toasts.h"
 #include "tools/footlight/preview/ui/words.h"
@@ -70,9 +71,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
   draw_panel(facts_, controls_, shown_levels(), hand_.get(), window_->ui_scale(), [&] {
     chosen = draw_menu(*desk_, panels_, player_ != nullptr, outputs_ ? &outputs_view_ : nullptr, &exchange_view_);
   });
-  if (const Exposure shown{controls_.exposure_ev, controls_.auto_exposure}; shown != desk_->state().exposure) {
-    desk_->set_exposure(shown);
-  }
+  take_look();
   const PixelRect whole = place();
   const double scale = static_cast<double>(window_->pixels_per_unit());
   const glm::dvec2 size(whole.width / scale, whole.height / scale);
@@ -82,6 +81,10 @@ void Preview::draw_ui(DurationNs dt_ns) {
     input.levels = panel_levels();
     if (live_ && desk_->compiled().universes == framed_->compiled.universes) input.stamps = live_->stamps();
     if (shown_levels() != nullptr) input.status = &facts_.status;
+    if (live_ && panels_.is_open(universes_panel_)) {
+      live_->take_unpatched(unpatched_);
+      input.unpatched = &unpatched_;
+    }
     if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
     if (curve_ && strips_) input.strips = &strips_->strips;
@@ -127,6 +130,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
   draw_made_up_tag(inputs_view_, width, below);
   const float tags = made_up_words(inputs_view_).empty() ? below : below + 2 * ImGui::GetFontSize();
   if (busy_mark_.draw(busy(), clock_.now_ns(), width, tags, window_->ui_scale())) cancel_busy();
+  print_commands();
   if (recording_) draw_recording_mark(recording_->elapsed_ns(), window_->ui_scale());
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
   window_->end_ui();
@@ -264,6 +268,12 @@ void Preview::step_history(bool back) {
 }
 
 void Preview::call(const UiCall& call) {
+  const OutputsView* outputs = outputs_ ? &outputs_view_ : nullptr;
+  if (std::string why = why_not(call, *desk_, player_ != nullptr, outputs); !why.empty()) return tell(std::move(why));
+  if (auto news = run_on_desk(*desk_, call)) {
+    if (!news->text.empty()) tell(std::move(news->text), news->wrong);
+    return;
+  }
   if (call_outputs(call)) return;
   switch (call.action) {
     case UiAction::kUndo: step_history(true); break;
@@ -271,19 +281,6 @@ void Preview::call(const UiCall& call) {
     case UiAction::kOpen: open_dialog(FileDialog::Use::kOpen); break;
     case UiAction::kSave: save(); break;
     case UiAction::kSaveAs: open_dialog(FileDialog::Use::kSave); break;
-    case UiAction::kDelete:
-      if (std::string news = delete_selected(*desk_); !news.empty()) tell(std::move(news));
-      break;
-    case UiAction::kSelectAll: desk_->select_all(); break;
-    case UiAction::kHandles: show_handles(!desk_->handles()); break;
-    case UiAction::kNudge: {
-      std::string news = nudge_selected(*desk_, nudge_axis(call.argument), nudge_sign(call.argument) * kNudgeM);
-      if (!news.empty()) tell(std::move(news), true);
-      break;
-    }
-    case UiAction::kHighlight: desk_->set_highlight(!desk_->highlights()); break;
-    case UiAction::kLocate: desk_->set_locate(!desk_->locates()); break;
-    case UiAction::kReleaseAll: desk_->release_all(); break;
     case UiAction::kFrame:
       if (const auto& which = desk_->state().selection.fixtures; !which.empty()) {
         const StagePick::Box box = pick().bounds_of(which);
@@ -296,21 +293,13 @@ void Preview::call(const UiCall& call) {
       frame_box(bounds.low_m, bounds.high_m);
       break;
     }
-    case UiAction::kMeasure: desk_->measure() = {!desk_->measure().on, {}, {}}; break;
-    case UiAction::kFloorLines: desk_->set_floor_lines(!desk_->floor_lines()); break;
     case UiAction::kCompare: compare_from_here(); break;
-    case UiAction::kEndCompare: desk_->comparison() = {}; break;
     case UiAction::kCompareStage: set_stage_compare(next_of(both_.mode())); break;
     case UiAction::kCamera: take_camera(static_cast<std::size_t>(call.argument)); break;
     case UiAction::kStoreCamera: store_new_camera(); break;
     case UiAction::kViewFrom: view_from_side(static_cast<ViewSide>(call.argument)); break;
     case UiAction::kViews: call_views(call.argument == 1); break;
-    case UiAction::kFly: desk_->fly().set_on(!desk_->fly().on()); break;
     case UiAction::kWorkLight: controls_.work_light = !controls_.work_light; break;
-    case UiAction::kFlashes:
-      desk_->set_flashes(next_of(desk_->flashes()));
-      tell(trf("harmful flashes: {}", tr(words_of(desk_->flashes()))));
-      break;
     case UiAction::kBrighter: expose(-kExposureStepEv); break;  // a lower EV makes a brighter picture
     case UiAction::kDarker: expose(kExposureStepEv); break;
     case UiAction::kPlay: controls_.transport.playing = !controls_.transport.playing; break;
@@ -339,7 +328,12 @@ void Preview::call(const UiCall& call) {
       break;
     case UiAction::kOpenRecent:
       if (const auto index = static_cast<std::size_t>(call.argument); index < desk_->recent_rigs().size()) {
-        ask_to_open({desk_->recent_rigs()[index], "", ""});
+        ask_to_open({desk_->recent_rigs()[index], ""});
+      }
+      break;
+    case UiAction::kOpenRecentLog:
+      if (const auto index = static_cast<std::size_t>(call.argument); index < desk_->recent_logs().size()) {
+        ask_to_open({"", desk_->recent_logs()[index], false, saved_as_});
       }
       break;
     case UiAction::kSidePanel:
@@ -352,26 +346,29 @@ void Preview::call(const UiCall& call) {
       panels_.set_open(index, !panels_.is_open(index), *desk_);
       break;
     }
+    case UiAction::kEditField:
+      panels_.set_open(panel_of("fixtures"), true, *desk_);
+      desk_->ask_field(static_cast<EditField>(call.argument));
+      break;
+    case UiAction::kLibrary: panels_.set_open(panel_of("library"), true, *desk_); break;
+    case UiAction::kQuality: {
+      const QualityChoice& choice = quality_choices()[static_cast<std::size_t>(call.argument)];
+      controls_.quality = render::QualityRequest{choice.error, choice.ms};
+      break;
+    }
     case UiAction::kFullScreen: window_->toggle_full_screen(); break;
     case UiAction::kShot: shot_asked_ = true; break;
-    case UiAction::kBlackout:
-    case UiAction::kEndBlackout:
-    case UiAction::kDisarm: break;  // of call_outputs()
     case UiAction::kRecord: toggle_recording(); break;
     case UiAction::kTap: tap(); break;
     case UiAction::kPalette: palette_.open(); break;
     case UiAction::kEscape: escape(); break;
+    default: break;  // of run_on_desk() and call_outputs()
   }
 }
 
 void Preview::escape() {
   if (busy_mark_.can_cancel() && !ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) return cancel_busy();
   closing_ = !close_topmost(panels_, *desk_) || closing_;
-}
-
-void Preview::show_handles(bool on) {
-  desk_->set_handles(on);
-  if (on && desk_->selected().empty()) tell(tr("handles: select a fixture to see them"));
 }
 
 // Lines on the floor, and what is measured.
@@ -398,16 +395,33 @@ void Preview::expose(double steps_ev) {
   desk_->set_exposure(exposure);
 }
 
+// What the side panel has made of the exposure and the look.
+void Preview::take_look() {
+  if (const Exposure shown{controls_.exposure_ev, controls_.auto_exposure}; shown != desk_->state().exposure) {
+    desk_->set_exposure(shown);
+  }
+  const PictureLook look{controls_.tone, controls_.balances_white, controls_.white_k, controls_.glare_percent};
+  if (!std::exchange(look_began_, true)) desk_->start_look(look);
+  if (look != desk_->state().look) desk_->set_look(look);
+}
+
 // In the side panel and the picture.
 void Preview::show_exposure() {
   controls_.exposure_ev = desk_->state().exposure.ev;
   controls_.auto_exposure = desk_->state().exposure.automatic;
+  if (!look_began_) return;
+  const PictureLook& look = desk_->state().look;
+  controls_.tone = look.tone;
+  controls_.balances_white = look.balances_white;
+  controls_.white_k = look.white_k;
+  controls_.glare_percent = look.glare_percent;
 }
 
 void Preview::tell(const Error& error) { tell(tr_known(error.message), true); }
 
 // wrong: an error, which is shown longer and in red.
 void Preview::tell(std::string news, bool wrong) {
+  if (options_.json) print_message(news, wrong);
   messages_.add(std::move(news), wrong, fmt::format("{:%H:%M:%S}", fmt::localtime(std::time(nullptr))),
                 clock_.now_ns());
 }

@@ -127,6 +127,7 @@ void Preview::close_inputs() {
   live_timeline_.reset();
   patterns_.clear();
   live_.reset();
+  unpatched_.clear();
   facts_.status = {};
 }
 

@@ -77,6 +77,7 @@ void Preview::drive_outputs() {
   if (live_) live_->take();
   const auto levels = panel_levels();
   outputs_->give(desk_->compiled().universes, levels, sendable);
+  outputs_->hold(window_->holds_live_key() && !window_->minimised());
   outputs_->follow(outputs_view_);
   if (picture_ns_ >= 0 && !std::exchange(outputs_told_, true)) {
     tell(trf_n("{} output, not armed: F6", "{} outputs, not armed: F6", outputs_view_.rows.size(),
@@ -94,6 +95,12 @@ void Preview::drive_outputs() {
 // True if the call was for outputs.
 bool Preview::call_outputs(const UiCall& call) {
   const bool is_blackout = call.action == UiAction::kBlackout;
+  if (call.action == UiAction::kHoldToLive) {
+    outputs_view_.needs_hold = !outputs_view_.needs_hold;
+    tell(outputs_view_.needs_hold ? trf("lamps are live only while {} is held", tr(kHoldKeyName))
+                                  : std::string(tr("lamps are live without a key that is held")));
+    return true;
+  }
   if (!is_blackout && call.action != UiAction::kEndBlackout && call.action != UiAction::kDisarm) return false;
   if (!outputs_) {
     tell(tr("there is no output to real lamps; F6 or --output ENDPOINT adds one"));

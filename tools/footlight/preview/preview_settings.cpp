@@ -31,14 +31,16 @@ Status Preview::open_settings() {
   return {};
 }
 
-// The rig that was opened is the newest of the recent ones.
+// The rig and the log that were opened are the newest of the recent ones.
 void Preview::note_recent() {
-  if (!options_.files.rig.empty()) {
+  const auto whole = [](const std::string& path) {
     std::error_code trouble;
-    const std::filesystem::path whole = std::filesystem::absolute(options_.files.rig, trouble);
-    if (!trouble) settings_.add_recent(whole.lexically_normal().string());
-  }
-  desk_->list_recent(settings_.recent_rigs);
+    const std::filesystem::path absolute = std::filesystem::absolute(path, trouble);
+    return path.empty() || trouble ? std::string() : absolute.lexically_normal().string();
+  };
+  if (const std::string rig = whole(options_.files.rig); !rig.empty()) settings_.add_recent(rig);
+  if (const std::string log = whole(options_.files.log); !log.empty()) settings_.add_recent_log(log);
+  desk_->list_recent(settings_.recent_rigs, settings_.recent_logs);
   if (!options_.news.empty()) tell(options_.news, true);
 }
 
@@ -54,6 +56,7 @@ void Preview::follow_settings() {
   if (settings_.ui_percent != shown_settings_.ui_percent) kept.ui_percent = settings_.ui_percent;
   if (settings_.views != shown_settings_.views) kept.views = settings_.views;
   kept.recent_rigs = settings_.recent_rigs;
+  kept.recent_logs = settings_.recent_logs;
   if (settings_ != shown_settings_) show_look();
   if (settings_path_.empty() || kept == saved_settings_) return;
   saved_settings_ = std::move(kept);

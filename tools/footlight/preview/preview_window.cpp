@@ -118,7 +118,7 @@ Status Preview::turn() {
   follow_settings();
   const TimeNs now_ns = clock_.now_ns();
   const DurationNs dt_ns = now_ns - last_ns_;
-  turn_times_.add(static_cast<double>(dt_ns) * 1e-6);
+  if (!times_out_) turn_times_.add(static_cast<double>(dt_ns) * 1e-6);  // else the turn before waited for a picture
   last_ns_ = now_ns;
   times_out_ = options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9;
   const bool drew = picture_->in_flight() || thumbnails_.in_flight();
@@ -521,27 +521,9 @@ void leave_to_next(PreviewOptions& options, const Preview& preview) {
   options.news.clear();
   if (options.seconds > 0) options.seconds = std::max(options.seconds - preview.seconds(), kSecondsLeast);
   options.ins = preview.inputs();
+  options.hold_to_live = preview.holds_to_live();
   if (const auto flashes = preview.flashes()) options.flashes = *flashes;
   keep_look(options, preview.settings());
-}
-
-// The options of a window that opens another rig or log.
-PreviewOptions options_for(PreviewOptions options, const Preview::Next& next) {
-  if (!next.rig.empty()) {
-    options.files.rig = next.rig;
-    options.files.demo = false;
-    options.files.log.clear();
-    options.camera.clear();
-    options.select.clear();
-  } else {
-    options.files.log = next.log;
-    if (!next.saved_as.empty()) {
-      options.files.rig = next.saved_as;
-      options.files.demo = false;
-    }
-    std::erase_if(options.ins, [](const std::string& text) { return !Preview::controls(text); });
-  }
-  return options;
 }
 
 }  // namespace
@@ -554,7 +536,7 @@ Result<int> run_preview(const PreviewOptions& options) {
   std::optional<PreviewOptions> before;  // of the window before, if this one was opened from it
   int worst = kExitOk;
   while (true) {
-    std::optional<Preview::Next> next;
+    std::optional<NextWindow> next;
     bool opened = false;
     const auto show = [&] {
       const PreviewOptions of_window = now;

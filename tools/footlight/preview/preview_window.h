@@ -39,6 +39,7 @@
 #include "tools/footlight/preview/live_outputs.h"
 #include "tools/footlight/preview/log_player.h"
 #include "tools/footlight/preview/log_thumbnails.h"
+#include "tools/footlight/preview/next_window.h"
 #include "tools/footlight/preview/preview.h"
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
@@ -68,24 +69,19 @@ extern const char* const kArmedUnmeasured;  // why curves of knobs are not measu
 
 class Preview {
  public:
-  // The rig or log that the user opened instead; the window has closed for it.
-  struct Next {
-    std::string rig;       // empty: the same one
-    std::string log;       // empty: none
-    std::string saved_as;  // with `log`: where the rig was saved since; empty: nowhere else
-  };
-  [[nodiscard]] const std::optional<Next>& next() const { return next_; }
+  // What the user opened instead; the window has closed for it.
+  [[nodiscard]] const std::optional<NextWindow>& next() const { return next_; }
   // A picture was shown.
   [[nodiscard]] bool opened() const { return picture_ns_ >= 0; }
   // Since its first turn, which --seconds counts from.
   [[nodiscard]] double seconds() const { return static_cast<double>(last_ns_ - start_ns_) * 1e-9; }
   // As the user has set them since: endpoints of inputs and controls; nothing: no rig was read.
   [[nodiscard]] std::vector<std::string> inputs() const;
-  // An endpoint that sets levels by hand. A text that is no endpoint is none, and is refused where it is opened.
-  [[nodiscard]] static bool controls(const std::string& text);
   [[nodiscard]] std::optional<FlashMode> flashes() const {
     return desk_ ? std::optional(desk_->flashes()) : std::nullopt;
   }
+
+  [[nodiscard]] bool holds_to_live() const { return outputs_view_.needs_hold; }
 
   // The looks of the window, once it has opened.
   [[nodiscard]] const WindowSettings& settings() const { return settings_; }
@@ -233,7 +229,6 @@ class Preview {
   bool take_box(bool handle);
   void cancel_drags();
   void escape();
-  void show_handles(bool on);
   // Comparisons: preview_compare.cpp.
   void compare_from_here();
   void keep_this_moment();
@@ -263,6 +258,7 @@ class Preview {
   void fly(bool typing, DurationNs dt_ns);
   void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);
   void expose(double steps_ev);
+  void take_look();
   void show_exposure();
   void tell(std::string news, bool wrong = false);
   void tell(const Error& error);
@@ -294,17 +290,19 @@ class Preview {
 
   // Files that are dropped on the window, and rigs that are opened again: preview_files.cpp.
   void take_drops();
-  void open_dropped(const std::string& path);
+  void open_dropped(const std::vector<std::string>& paths);
   void open_dialog(FileDialog::Use use);
   void take_dialog();
   void save_as(const std::string& path, bool replaces);
   void add_definition(const std::string& path);
-  void ask_to_open(Next next);
+  void ask_to_open(NextWindow next);
   void draw_open_question();
 
   // Figures and pictures for files and standard output: preview_figures.cpp.
   [[nodiscard]] std::vector<std::uint64_t> view_pictures() const;
   void print_second();
+  static void print_message(const std::string& text, bool wrong);
+  void print_commands();
   void print_summary();
   Status write_shot();
   void write_own_shot();
@@ -399,6 +397,8 @@ class Preview {
   BusyMark busy_mark_;
   bool wants_curves_ = false;    // also without a request for an error or a time
   const std::size_t report_panel_ = panel_of("report");
+  const std::size_t universes_panel_ = panel_of("universes");
+  std::vector<UnpatchedUniverse> unpatched_;  // of live_, while that panel is open
   ReportView report_;
   bool looked_for_curves_ = false;  // of this machine, in their file
   SharedScene left_out_scene_;      // that report_.left_out is of, with these settings
@@ -429,8 +429,8 @@ class Preview {
 
   ExchangeFollower exchange_;
   ExchangeView exchange_view_;
-  std::optional<Next> asked_next_;  // while the question is open
-  std::optional<Next> next_;
+  std::optional<NextWindow> asked_next_;  // while the question is open
+  std::optional<NextWindow> next_;
   OpenQuestion open_question_;
   std::string settings_path_;  // empty: they are not saved
   WindowSettings settings_;
@@ -451,6 +451,7 @@ class Preview {
   std::vector<std::uint8_t> aside_levels_;
   std::array<bool, 3> pressed_on_stage_{};  // buttons of the mouse
   bool selects_more_ = false;               // Ctrl or Shift was held at the last press
+  bool look_began_ = false;                 // state().look is that of the options, or newer
   bool shot_asked_ = false;                 // the next picture is kept
   bool shot_taken_ = false;
   MessageLog messages_;

@@ -69,9 +69,15 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
   glfwSetWindowSizeCallback(window->window_, &Window::on_size);
   glfwSetFramebufferSizeCallback(window->window_, &Window::on_size);
   glfwSetWindowIconifyCallback(window->window_, &Window::on_iconify);
+  glfwSetWindowFocusCallback(window->window_, &Window::on_focus);
   window->read_sizes();
   glfwGetWindowContentScale(window->window_, &scale_x, &scale_y);
   window->ui_scale_ = std::clamp(std::max(scale_x, scale_y) / window->pixels_per_unit(), 1.0f, 4.0f);
+  if (window->ui_scale_ == 1 && window->pixels_per_unit() == 1) {  // the desktop states 96 dpi, or nothing
+    GLFWmonitor* screen = glfwGetPrimaryMonitor();
+    const GLFWvidmode* mode = screen != nullptr ? glfwGetVideoMode(screen) : nullptr;
+    if (mode != nullptr) window->ui_scale_ = ui_scale_for(mode->height, window->height());
+  }
   window->poll();
   return window;
 }
@@ -402,6 +408,7 @@ void Window::on_key(GLFWwindow* window, int key, int scancode, int action, int m
   const char* name = key != GLFW_KEY_UNKNOWN ? glfwGetKeyName(key, scancode) : nullptr;
   self->keys_.take_key(key, name, action, mods);
   self->taps_.take_key(key, action);
+  self->live_key_.take_key(key, action);
 }
 
 void Window::on_character(GLFWwindow* window, unsigned int character) {
@@ -426,7 +433,13 @@ void Window::on_size(GLFWwindow* window, int, int) {
 }
 
 void Window::on_iconify(GLFWwindow* window, int) {
-  static_cast<Window*>(glfwGetWindowUserPointer(window))->resized_ = true;
+  auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
+  self->resized_ = true;
+  self->live_key_.let_go();
+}
+
+void Window::on_focus(GLFWwindow* window, int focused) {
+  if (focused != GLFW_TRUE) static_cast<Window*>(glfwGetWindowUserPointer(window))->live_key_.let_go();
 }
 
 PixelRect Window::rect() const {

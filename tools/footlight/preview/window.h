@@ -30,6 +30,7 @@
 #include "render/vk/memory.h"
 #include "tools/footlight/preview/key_presses.h"
 #include "tools/footlight/preview/mouse_queue.h"
+#include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/picture_shelf.h"
 #include "tools/footlight/preview/ui/stage_views.h"
 #include "tools/footlight/preview/uploaded_image.h"
@@ -70,6 +71,9 @@ class Window {
   // The keys that went down during the last poll(), or repeated while held, in order. ImGui's own list misses a key
   // that goes down and up within one slow frame.
   [[nodiscard]] const std::vector<KeyPress>& keys() const { return keys_.presses(); }
+  // The key of the dead man's switch is held, as of the last poll(); not in a window that is iconified or has not the
+  // keyboard.
+  [[nodiscard]] bool holds_live_key() const { return live_key_.held(); }
   // Paths of files that were dropped on the window since the last call, in order.
   [[nodiscard]] std::vector<std::string> take_drops() { return std::exchange(drops_, {}); }
   // As of the last poll(): true if the window is not visible.
@@ -133,6 +137,7 @@ class Window {
   static void on_refresh(GLFWwindow* window);
   static void on_size(GLFWwindow* window, int width, int height);
   static void on_iconify(GLFWwindow* window, int iconified);
+  static void on_focus(GLFWwindow* window, int focused);
   void read_sizes();
   static void on_drop(GLFWwindow* window, int count, const char** paths);
   [[nodiscard]] PixelRect rect() const;
@@ -155,6 +160,7 @@ class Window {
   KeyPresses keys_;
   bool keeps_keys_ = false;  // those since the last poll()
   KeyTaps taps_;
+  HeldKey live_key_{kHoldKey};
   std::vector<std::string> drops_;
   MouseQueue mouse_;
   PixelRect before_full_;  // where the window was before it became full screen

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -37,10 +38,17 @@ int next_ui_percent(int percent, int direction) {
   return direction > 0 ? kUiPercentMax : less;
 }
 
-void WindowSettings::add_recent(const std::string& path) {
-  std::erase(recent_rigs, path);
-  recent_rigs.insert(recent_rigs.begin(), path);
-  if (recent_rigs.size() > kRecentMax) recent_rigs.resize(kRecentMax);
+float ui_scale_for(int screen_height_px, int window_height_px) {
+  constexpr int kScreenPx = 1440;  // of scale 1
+  constexpr int kWindowPx = 480;   // likewise, at least
+  const int quarters = std::min(4 * screen_height_px / kScreenPx, 4 * window_height_px / kWindowPx);
+  return static_cast<float>(std::clamp(quarters, 4, 16)) / 4;
+}
+
+void WindowSettings::put_first(std::vector<std::string>& paths, const std::string& path) {
+  std::erase(paths, path);
+  paths.insert(paths.begin(), path);
+  if (paths.size() > kRecentMax) paths.resize(kRecentMax);
 }
 
 std::string window_settings_path(const std::string& state_folder) {
@@ -51,10 +59,14 @@ std::string text_of(const WindowSettings& settings) {
   std::string text = fmt::format("# Settings of the window of 'footlight preview'.\ntheme = \"{}\"\nui_percent = {}\n"
                                  "views = {}\n",
                                  word_of(settings.theme), settings.ui_percent, settings.views);
-  if (settings.recent_rigs.empty()) return text;  // an empty list is an error of a file
-  text += "recent_rigs = [\n";
-  for (const std::string& path : settings.recent_rigs) text += fmt::format("  {},\n", fixtures::toml_text(path));
-  return text + "]\n";
+  for (const auto& [name, paths] :
+       {std::pair("recent_rigs", &settings.recent_rigs), std::pair("recent_logs", &settings.recent_logs)}) {
+    if (paths->empty()) continue;  // an empty list is an error of a file
+    text += fmt::format("{} = [\n", name);
+    for (const std::string& path : *paths) text += fmt::format("  {},\n", fixtures::toml_text(path));
+    text += "]\n";
+  }
+  return text;
 }
 
 Result<WindowSettings> parse_window_settings(std::string_view text, const std::string& path) {
@@ -65,8 +77,11 @@ Result<WindowSettings> parse_window_settings(std::string_view text, const std::s
   settings.ui_percent =
       static_cast<int>(reader.integer("ui_percent", kUiPercentMin, kUiPercentMax, settings.ui_percent));
   settings.views = static_cast<int>(reader.integer("views", 1, kViewsMax, settings.views));
-  if (reader.has("recent_rigs")) {
-    for (auto& [rig, at] : reader.texts("recent_rigs")) settings.recent_rigs.push_back(std::move(rig));
+  for (const auto& [name, paths] :
+       {std::pair("recent_rigs", &settings.recent_rigs), std::pair("recent_logs", &settings.recent_logs)}) {
+    if (!reader.has(name)) continue;
+    for (auto& [path_of_one, at] : reader.texts(name)) paths->push_back(std::move(path_of_one));
+    if (paths->size() > WindowSettings::kRecentMax) paths->resize(WindowSettings::kRecentMax);
   }
   FL_TRY(reader.finish());
   if (auto known = theme_of(theme)) {
@@ -77,9 +92,6 @@ Result<WindowSettings> parse_window_settings(std::string_view text, const std::s
   if (!is_view_count(settings.views)) {
     return fail(ErrorCode::kBadInput, "{}:{}: views {}: expected 1, 2 or 4", path, reader.place_of("views"),
                 settings.views);
-  }
-  if (settings.recent_rigs.size() > WindowSettings::kRecentMax) {
-    settings.recent_rigs.resize(WindowSettings::kRecentMax);
   }
   return settings;
 }

@@ -300,7 +300,7 @@ class DevicesPanel final : public Panel {
     if (ImGui::Button(tr_label("disarm all"))) outputs.disarm_all();
     ImGui::EndDisabled();
     ImGui::SameLine(0, 24 * scale);
-    if (outputs.darkness == Darkness::kNone) {
+    if (!is_blackout(outputs.darkness)) {
       ImGui::PushStyleColor(ImGuiCol_Text, kStageColours.text);
       ImGui::PushStyleColor(ImGuiCol_Button, {0.45f, 0.10f, 0.10f, 1});
       ImGui::PushStyleColor(ImGuiCol_ButtonHovered, {0.62f, 0.14f, 0.14f, 1});
@@ -309,10 +309,20 @@ class DevicesPanel final : public Panel {
     } else if (ImGui::Button(tr_label("end the blackout"))) {
       outputs.blackout = false;
     }
-    if (outputs.darkness == Darkness::kSilence) {
-      ImGui::SameLine();
-      ui_text(kUiRed, blackout_words(outputs));
-    }
+    draw_hold(outputs, scale);
+    if (outputs.darkness == Darkness::kSilence) ui_text(kUiRed, blackout_words(outputs));
+  }
+
+  // On the line of the buttons if there is room.
+  static void draw_hold(OutputsView& outputs, float scale) {
+    const std::string words = trf("live only while {} is held", tr(kHoldKeyName));
+    ImGui::SameLine(0, 24 * scale);
+    const float width = ImGui::CalcTextSize(words.c_str()).x + ImGui::GetFrameHeightWithSpacing();
+    if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
+    ImGui::Checkbox((words + "###hold").c_str(), &outputs.needs_hold);
+    if (!ImGui::IsItemHovered()) return;
+    ImGui::SetTooltip("%s", tr("A dead man's switch: lamps are dark when the key is released, when another window has "
+                               "the keyboard, and half a second after this one hangs."));
   }
 
   void draw_outputs(OutputsView& outputs) {

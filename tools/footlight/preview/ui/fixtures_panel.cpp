@@ -32,14 +32,15 @@ enum Column : int {
   kColumnMode,
   kColumnAddress,
   kColumnPlace,
+  kColumnLayer,
   kColumnX,
   kColumnY,
   kColumnZ,
   kColumnCount
 };
-constexpr std::array<const char*, kColumnCount> kHeads{tr_mark("Id"),   tr_mark("Name"),    tr_mark("Type"),
-                                                       tr_mark("Mode"), tr_mark("Address"), tr_mark("Hangs"),
-                                                       tr_mark("x m"),  tr_mark("y m"),     tr_mark("z m")};
+constexpr std::array<const char*, kColumnCount> kHeads{
+    tr_mark("Id"),    tr_mark("Name"),  tr_mark("Type"), tr_mark("Mode"), tr_mark("Address"),
+    tr_mark("Hangs"), tr_mark("Layer"), tr_mark("x m"),  tr_mark("y m"),  tr_mark("z m")};
 
 std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -52,6 +53,7 @@ class FixturesPanel final : public Panel {
 
   void draw(UiDesk& desk, const UiInput& input) override {
     if (read_count_ != desk.shown_count()) read(desk);
+    if (const auto asked = desk.take_asked_field()) wanted_ = asked;
     draw_head(desk, input);
     draw_table(desk, input);
     // Edits come last, since the rows are then those of the rig from before.
@@ -73,12 +75,15 @@ class FixturesPanel final : public Panel {
     rows_ = fixtures::patch_rows(desk.edited());
     texts_.clear();
     texts_.reserve(rows_.size());
-    ids_ = places_ = false;
+    ids_ = places_ = layers_ = false;
+    unpatched_count_ = 0;
     for (const fixtures::PatchRow& row : rows_) {
       texts_.push_back(lower_case(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", row.id, row.name, row.type, row.mode,
                                               row.addresses, row.place, row.layer)));
       ids_ = ids_ || row.id != row.name;
       places_ = places_ || !row.place.empty();
+      layers_ = layers_ || !row.layer.empty();
+      if (!is_patched(desk, row)) ++unpatched_count_;
     }
     conflicts_.assign(rows_.size(), {});
     conflict_count_ = 0;
@@ -87,7 +92,12 @@ class FixturesPanel final : public Panel {
       ++conflict_count_;
     }
     only_conflicts_ = only_conflicts_ && conflict_count_ > 0;
-    filter();
+    only_unpatched_ = only_unpatched_ && unpatched_count_ > 0;
+    filter(desk);
+  }
+
+  [[nodiscard]] static bool is_patched(const UiDesk& desk, const fixtures::PatchRow& row) {
+    return desk.edited().fixtures[static_cast<std::size_t>(row.fixture)].patched;
   }
 
   void draw_table(UiDesk& desk, const UiInput& input) {
@@ -95,12 +105,13 @@ class FixturesPanel final : public Panel {
                                        ImGuiTableFlags_Resizable | ImGuiTableFlags_RowBg | ImGuiTableFlags_Hideable |
                                        ImGuiTableFlags_SizingFixedFit;
     if (!ImGui::BeginTable("patch", kColumnCount, kFlags)) return;
-    const std::array<float, kColumnCount> widths{44, 130, 150, 90, 76, 60, 52, 52, 52};
+    const std::array<float, kColumnCount> widths{44, 130, 150, 90, 76, 60, 80, 52, 52, 52};
     for (std::size_t i = 0; i < widths.size(); ++i) {
       const ImGuiTableColumnFlags flags = i == kColumnAddress             ? ImGuiTableColumnFlags_DefaultSort
                                           : i == kColumnName              ? ImGuiTableColumnFlags_NoHide
                                           : i == kColumnId && !ids_       ? ImGuiTableColumnFlags_DefaultHide
                                           : i == kColumnPlace && !places_ ? ImGuiTableColumnFlags_DefaultHide
+                                          : i == kColumnLayer && !layers_ ? ImGuiTableColumnFlags_DefaultHide
                                                                           : ImGuiTableColumnFlags_None;
       ImGui::TableSetupColumn(tr(kHeads[i]), flags, widths[i] * input.scale);
     }
@@ -136,7 +147,7 @@ class FixturesPanel final : public Panel {
 
   void draw_head(UiDesk& desk, const UiInput& input) {
     ImGui::SetNextItemWidth(180 * input.scale);
-    if (ImGui::InputTextWithHint("##filter", tr("filter"), filter_.data(), filter_.size())) filter();
+    if (ImGui::InputTextWithHint("##filter", tr("filter"), filter_.data(), filter_.size())) filter(desk);
     ImGui::SameLine();
     const std::size_t selected = desk.state().selection.fixtures.size();
     ui_text(kUiDim, trf_n("{} of {} fixture, {} selected", "{} of {} fixtures, {} selected", rows_.size(),
@@ -146,16 +157,22 @@ class FixturesPanel final : public Panel {
       ImGui::PushStyleColor(ImGuiCol_Text, kUiRed);
       const std::string label =
           trf_n("{} shares addresses", "{} share addresses", conflict_count_, conflict_count_) + "###conflicts";
-      if (ImGui::Checkbox(label.c_str(), &only_conflicts_)) filter();
+      if (ImGui::Checkbox(label.c_str(), &only_conflicts_)) filter(desk);
       ImGui::PopStyleColor();
+    }
+    if (unpatched_count_ > 0) {
+      ImGui::SameLine();
+      const std::string label = trf_n("{} has no address", "{} have no address", unpatched_count_, unpatched_count_);
+      if (ImGui::Checkbox((label + "###unpatched").c_str(), &only_unpatched_)) filter(desk);
     }
   }
 
-  void filter() {
+  void filter(const UiDesk& desk) {
     const std::string wanted = lower_case(filter_.data());
     shown_.clear();
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       if (only_conflicts_ && !conflicts_[static_cast<std::size_t>(rows_[i].fixture)]) continue;
+      if (only_unpatched_ && is_patched(desk, rows_[i])) continue;
       if (texts_[i].find(wanted) != std::string::npos) shown_.push_back(static_cast<int>(i));
     }
     sorted_ = false;
@@ -185,6 +202,7 @@ class FixturesPanel final : public Panel {
       case kColumnType: return compare_names(x.type, y.type) < 0;
       case kColumnMode: return compare_names(x.mode, y.mode) < 0;
       case kColumnPlace: return compare_names(x.place, y.place) < 0;
+      case kColumnLayer: return compare_names(x.layer, y.layer) < 0;
       case kColumnX: return x.position_m.x < y.position_m.x;
       case kColumnY: return x.position_m.y < y.position_m.y;
       case kColumnZ: return x.position_m.z < y.position_m.z;
@@ -225,6 +243,8 @@ class FixturesPanel final : public Panel {
     }
     ImGui::TableNextColumn();
     ui_text(row.place);
+    ImGui::TableNextColumn();
+    ui_text(row.layer);
     for (int c = 0; c < 3; ++c) {
       ImGui::TableNextColumn();
       std::array<char, 32> number{};
@@ -274,6 +294,7 @@ class FixturesPanel final : public Panel {
   std::vector<std::string> texts_;  // of each row, for the filter
   bool ids_ = false;                // some fixture has an id
   bool places_ = false;             // or a pipe that it hangs from
+  bool layers_ = false;             // or a layer
   std::vector<int> shown_;          // indices into rows_, filtered and sorted
   std::array<char, 128> filter_{};
   bool sorted_ = false;
@@ -282,6 +303,8 @@ class FixturesPanel final : public Panel {
   std::uint64_t read_count_ = 0;                                   // UiDesk::shown_count() of the rows
   std::vector<std::optional<fixtures::PatchConflict>> conflicts_;  // of each fixture
   std::size_t conflict_count_ = 0;
+  bool only_unpatched_ = false;
+  std::size_t unpatched_count_ = 0;
   RigEditor editor_;
   std::optional<RigEditor::Field> wanted_;  // to be edited, of what is selected
   bool menu_wanted_ = false;

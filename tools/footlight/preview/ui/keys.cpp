@@ -3,6 +3,7 @@
 #include <GLFW/glfw3.h>
 
 #include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/ui_desk.h"
 
 namespace footlight::tools {
 namespace {
@@ -147,6 +148,19 @@ constexpr KeyRow kKeyRows[] = {
      UiMenu::kNone},
 };
 
+constexpr CommandRow kCommandRows[] = {
+    {{A::kEditField, static_cast<int>(EditField::kAddress)}, "address of the selected fixtures", UiMenu::kEdit},
+    {{A::kEditField, static_cast<int>(EditField::kName)}, "rename the selected fixtures", UiMenu::kEdit},
+    {{A::kEditField, static_cast<int>(EditField::kNumber)}, "renumber the selected fixtures", UiMenu::kEdit},
+    {{A::kEditField, static_cast<int>(EditField::kClone)}, "clone the selected fixtures", UiMenu::kEdit},
+    {{A::kUnpatch}, "unpatch the selected fixtures", UiMenu::kEdit},
+    {{A::kLibrary}, "add fixtures from the library", UiMenu::kEdit},
+    {{A::kHoldToLive}, "dead man's switch: lamps are live only while End is held", UiMenu::kOutputs},
+};
+static_assert(kHoldKey == GLFW_KEY_END);
+
+constexpr QualityChoice kQualityChoices[] = {{}, {0.01, 0}, {0.001, 0}, {0, 8}, {0, 16}};
+
 constexpr MouseRow kMouseRows[] = {
     {"Click", "select a fixture; Ctrl or Shift adds it or takes it away"},
     {"Shift+drag", "select what is in the rectangle; Ctrl adds it, Ctrl+Shift takes it away; Esc: nothing"},
@@ -161,6 +175,10 @@ constexpr MouseRow kMouseRows[] = {
 }  // namespace
 
 std::span<const KeyRow> key_rows() { return kKeyRows; }
+
+std::span<const CommandRow> command_rows() { return kCommandRows; }
+
+std::span<const QualityChoice> quality_choices() { return kQualityChoices; }
 
 std::span<const MouseRow> mouse_rows() { return kMouseRows; }
 

@@ -11,6 +11,9 @@
 
 namespace footlight::tools {
 
+// The key of the dead man's switch: GLFW_KEY_END. It has no other meaning, and types nothing.
+inline constexpr int kHoldKey = 269;
+
 enum class UiAction {
   kUndo,
   kRedo,
@@ -55,16 +58,23 @@ enum class UiAction {
   kTheme,   // the other one
   kUiSmaller,
   kUiLarger,
-  kOpenRecent,  // argument: index into UiDesk::recent_rigs()
+  kOpenRecent,     // argument: index into UiDesk::recent_rigs()
+  kOpenRecentLog,  // argument: index into UiDesk::recent_logs()
   kSidePanel,
   kPanel,  // argument: index into panels()
   kFullScreen,
   kShot,
   kBlackout,  // of all armed outputs
   kEndBlackout,
-  kDisarm,  // all outputs; no key arms one
-  kRecord,  // begins and ends a recording
-  kTap,     // of the tempo of made-up inputs
+  kDisarm,      // all outputs; no key arms one
+  kHoldToLive,  // they are live only while a key is held
+  kRecord,      // begins and ends a recording
+  kTap,         // of the tempo of made-up inputs
+  kEditField,   // of the selected fixtures, in the patch; argument: EditField
+  kUnpatch,     // the selected fixtures
+  kLibrary,     // opens its panel
+  kTone,        // argument: index into render::kToneCurves
+  kQuality,     // argument: index into quality_choices()
   kPalette,
   kEscape,
 };
@@ -79,6 +89,13 @@ struct UiCall {
 [[nodiscard]] constexpr int nudge_axis(int argument) { return argument / 2; }
 [[nodiscard]] constexpr double nudge_sign(int argument) { return argument % 2 == 0 ? 1 : -1; }
 
+// What kQuality asks for: an error of the light as a share, or a time in ms, or nothing: knobs by hand.
+struct QualityChoice {
+  double error = 0;
+  double ms = 0;
+};
+[[nodiscard]] std::span<const QualityChoice> quality_choices();
+
 enum class UiMenu { kNone, kFile, kEdit, kView, kPlayback, kOutputs };
 
 struct KeyRow {
@@ -92,6 +109,14 @@ struct KeyRow {
 };
 
 [[nodiscard]] std::span<const KeyRow> key_rows();
+
+// An action without a key, for the menus and the list of actions.
+struct CommandRow {
+  UiCall call;
+  const char* does;
+  UiMenu menu;
+};
+[[nodiscard]] std::span<const CommandRow> command_rows();
 // What a key does; panels are opened by theirs. A key with Alt or Super belongs to the desktop and does nothing.
 [[nodiscard]] std::optional<UiCall> call_of(const KeyPress& press);
 // Whether a key acts while text is typed or a question is open: the blackout key that types nothing.

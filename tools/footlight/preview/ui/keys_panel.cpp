@@ -8,6 +8,7 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/ui/keys.h"
+#include "tools/footlight/preview/ui/outputs_view.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/preview/ui/words.h"
@@ -22,6 +23,7 @@ class KeysPanel final : public Panel {
     for (const KeyRow& row : key_rows()) {
       if (row.keys != nullptr) line(tr(row.keys), tr(row.does));
     }
+    line(tr(kHoldKeyName), tr("held, if so asked for in F6: lamps are live"));
     ImGui::Separator();
     for (const PanelInfo& panel : panels()) {
       line(tr(panel.key_text), fmt::format("{}: {}", tr(panel.title), tr(panel.shows)));

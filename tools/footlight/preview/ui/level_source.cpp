@@ -11,23 +11,32 @@ namespace footlight::tools {
 
 namespace {
 
-// The senders that win a universe, and their rate.
-void add_senders(const UiInput& input, Universe universe, LevelSource& source) {
+// The senders that win a universe, or have set one slot of it, and their rate.
+void add_senders(const UiInput& input, Universe universe, std::optional<std::size_t> slot, LevelSource& source) {
   if (input.status == nullptr) return;
   std::string brief;
   std::string words;
   for (const UniverseStatus& one : input.status->universes) {
     if (one.universe != universe) continue;
     std::size_t losers = 0;
-    for (const SenderStatus& sender : one.senders) {
+    std::size_t others = 0;  // that set other slots
+    const bool by_slot = slot && *slot < one.slot_senders.size();
+    for (std::size_t k = 0; k < one.senders.size(); ++k) {
+      const SenderStatus& sender = one.senders[k];
       if (!sender.wins) {
         ++losers;
+        continue;
+      }
+      if (by_slot && (one.slot_senders[*slot] >> k & 1u) == 0) {
+        ++others;
         continue;
       }
       brief += (brief.empty() ? "" : " + ") + sender.name;
       words += (words.empty() ? "" : " + ") + trf("{} (priority {})", sender.name, sender.priority);
     }
+    if (words.empty() && others > 0) brief = words = tr("no sender");
     if (losers > 0) words += trf(", {} outranked", losers);
+    if (others > 0) words += trf_n(", {} sets other slots", ", {} set other slots", others, others);
     words += fmt::format("  {:.0f} /s", one.rate_hz);
   }
   if (words.empty()) return;
@@ -37,7 +46,8 @@ void add_senders(const UiInput& input, Universe universe, LevelSource& source) {
 
 }  // namespace
 
-LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::size_t universe) {
+LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::size_t universe,
+                               std::optional<std::size_t> slot) {
   const auto& universes = desk.compiled().universes;
   if (universe >= input.stamps.size()) {
     LevelSource source{SourceKind::kFaders, tr("faders"), tr("faders of the window")};
@@ -46,14 +56,14 @@ LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::si
     } else if (input.status != nullptr) {
       source = {SourceKind::kLive, tr("input"), tr("levels as the fixtures get them")};
     }
-    if (universe < universes.size()) add_senders(input, universes[universe], source);  // with what is set by hand
+    if (universe < universes.size()) add_senders(input, universes[universe], slot, source);  // with what is set by hand
     return source;
   }
   const FrameStamp& stamp = input.stamps[universe];
   if (stamp.revision == 0) return {SourceKind::kNobody, tr("no frames"), tr("no frames yet")};
   LevelSource source{SourceKind::kLive};
   source.age_ns = std::max<DurationNs>(input.now_ns - stamp.stamp_ns, 0);
-  add_senders(input, universes[universe], source);
+  add_senders(input, universes[universe], slot, source);
   source.rarely = source.words.starts_with("by hand (") || source.words.starts_with("blackout (");
   source.silent = source.age_ns >= kSilentNs && !source.rarely;
   return source;
@@ -70,7 +80,8 @@ LevelSource source_of_channel(UiDesk& desk, const UiInput& input, ChannelKey key
   }
   const auto& universes = desk.compiled().universes;
   const auto at = std::lower_bound(universes.begin(), universes.end(), place->universe);
-  return source_of_universe(desk, input, static_cast<std::size_t>(at - universes.begin()));
+  return source_of_universe(desk, input, static_cast<std::size_t>(at - universes.begin()),
+                            static_cast<std::size_t>(place->address - 1));
 }
 
 }  // namespace footlight::tools

@@ -1,6 +1,8 @@
 // Where the levels that fixtures get come from, in words. No Dear ImGui.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 
 #include "tools/footlight/preview/ui/panels.h"
@@ -26,8 +28,10 @@ struct LevelSource {
   DurationNs age_ns = 0;  // of kLive: of the newest frame
 };
 
-// Of a universe, by its index in CompiledRig::universes. Several senders may win, each some slots.
-[[nodiscard]] LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::size_t universe);
+// Of a universe, by its index in CompiledRig::universes. Several senders may win, each some slots: with a slot, from 0,
+// only those that have set it.
+[[nodiscard]] LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::size_t universe,
+                                             std::optional<std::size_t> slot = std::nullopt);
 // Of a channel.
 [[nodiscard]] LevelSource source_of_channel(UiDesk& desk, const UiInput& input, ChannelKey key);
 

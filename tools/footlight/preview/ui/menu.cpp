@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -19,6 +20,15 @@
 namespace footlight::tools {
 namespace {
 
+// True: it was chosen. why_not: as a tip of an entry that is not possible.
+bool draw_row(const char* label, const char* keys, bool checked, const std::string& why_not) {
+  const bool chosen = ImGui::MenuItem(label, keys, checked, why_not.empty());
+  if (!why_not.empty() && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
+    ImGui::SetTooltip("%s", why_not.c_str());
+  }
+  return chosen;
+}
+
 void draw_rows(UiMenu menu, const UiDesk& desk, const OutputsView* outputs, std::optional<UiCall>& chosen) {
   for (const KeyRow& row : key_rows()) {
     if (row.menu != menu) continue;
@@ -29,20 +39,25 @@ void draw_rows(UiMenu menu, const UiDesk& desk, const OutputsView* outputs, std:
                          (row.call.action == UiAction::kFly && desk.fly().on()) ||
                          (row.call.action == UiAction::kFloorLines && desk.floor_lines());
     const std::string label = fmt::format("{}###{}", label_of(row, desk), row.keys);
-    if (ImGui::MenuItem(label.c_str(), tr(row.keys), checked, is_possible(row, desk, true, outputs))) chosen = row.call;
+    if (draw_row(label.c_str(), tr(row.keys), checked, why_not(row.call, desk, true, outputs))) chosen = row.call;
+  }
+  for (const CommandRow& row : command_rows()) {
+    if (row.menu != menu) continue;
+    const bool checked = row.call.action == UiAction::kHoldToLive && outputs->needs_hold;
+    if (draw_row(tr_label(row.does), nullptr, checked, why_not(row.call, desk, true, outputs))) chosen = row.call;
   }
 }
 
-void draw_recent(const UiDesk& desk, std::optional<UiCall>& chosen) {
-  ui_text(kUiDim, tr("Open again"));
-  for (std::size_t i = 0; i < desk.recent_rigs().size(); ++i) {
-    const std::string& path = desk.recent_rigs()[i];
-    const std::string name = std::filesystem::path(path).filename().string();
+void draw_recent(const std::vector<std::string>& paths, UiAction action, std::optional<UiCall>& chosen) {
+  ImGui::PushID(static_cast<int>(action));
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const std::string name = std::filesystem::path(paths[i]).filename().string();
     ImGui::PushID(static_cast<int>(i));
-    if (ImGui::MenuItem(name.c_str())) chosen = UiCall{UiAction::kOpenRecent, static_cast<int>(i)};
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", path.c_str());
+    if (ImGui::MenuItem(name.c_str())) chosen = UiCall{action, static_cast<int>(i)};
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", paths[i].c_str());
     ImGui::PopID();
   }
+  ImGui::PopID();
 }
 
 std::string words_of(const ExchangeView::File& file) {
@@ -117,12 +132,18 @@ void draw_exchange(ExchangeView& exchange) {
   ui_text(kUiDim, trf("shared: {}", exchange.sharing));
 }
 
+bool has_recent(const UiDesk& desk) { return !desk.recent_rigs().empty() || !desk.recent_logs().empty(); }
+
 void draw_file(const UiDesk& desk, ExchangeView* exchange, std::optional<UiCall>& chosen) {
   draw_rows(UiMenu::kFile, desk, nullptr, chosen);
   if (exchange != nullptr) ImGui::Separator();
   if (exchange != nullptr) draw_exchange(*exchange);
-  if (!desk.recent_rigs().empty()) ImGui::Separator();
-  if (!desk.recent_rigs().empty()) draw_recent(desk, chosen);
+  if (!has_recent(desk)) return;
+  ImGui::Separator();
+  ui_text(kUiDim, tr("Open again"));
+  draw_recent(desk.recent_rigs(), UiAction::kOpenRecent, chosen);
+  if (!desk.recent_rigs().empty() && !desk.recent_logs().empty()) ImGui::Separator();
+  draw_recent(desk.recent_logs(), UiAction::kOpenRecentLog, chosen);
 }
 
 void draw_panel_rows(const UiPanels& open, std::optional<UiCall>& chosen) {

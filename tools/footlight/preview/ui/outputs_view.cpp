@@ -33,6 +33,7 @@ std::string live_words(const OutputsView& view) {
   const std::size_t count = view.live_count();
   const bool real = std::any_of(view.rows.begin(), view.rows.end(),
                                 [](const OutputRow& row) { return row.state == ArmState::kArmed && !row.made_up; });
+  if (view.darkness == Darkness::kNotHeld && count == 0) return "";
   if (view.darkness == Darkness::kNone) {
     if (count == 0) return "";
     return real ? trf_n("LIVE: {} output", "LIVE: {} outputs", count, count)
@@ -47,6 +48,7 @@ std::string blackout_words(const OutputsView& view) {
     case Darkness::kNone: return "";
     case Darkness::kAsked: return tr("Shift+B ends it");
     case Darkness::kSilence: return tr("The window gave no levels for 2.5 s. Shift+B ends it");
+    case Darkness::kNotHeld: return trf("Lamps are live while {} is held", tr(kHoldKeyName));
   }
   return "";
 }

@@ -10,6 +10,7 @@
 
 #include "sim/core/dmx.h"
 #include "sim/pump.h"
+#include "tools/footlight/preview/ui/words.h"
 
 namespace footlight::tools {
 
@@ -20,12 +21,21 @@ enum class ArmState : std::uint8_t {
   kClosing,  // sends zeros and closes
 };
 
+// The key of the dead man's switch, for people: keys.h has its number.
+inline constexpr const char* kHoldKeyName = tr_mark("End");
+
 // Why armed outputs send zeros.
 enum class Darkness : std::uint8_t {
   kNone,     // they send the levels of the picture
   kAsked,    // the user asked for a blackout
   kSilence,  // the window gave no levels for OutputFeed::kSilenceMaxNs
+  kNotHeld,  // lamps are live only while a key is held, and it is not
 };
+
+// Until the user ends it.
+[[nodiscard]] constexpr bool is_blackout(Darkness darkness) {
+  return darkness == Darkness::kAsked || darkness == Darkness::kSilence;
+}
 
 struct OutputRow {
   std::string endpoint;
@@ -63,6 +73,7 @@ struct OutputsView {
   std::vector<std::size_t> arm;
   std::vector<std::size_t> disarm;
   std::optional<bool> blackout;    // false: ends
+  bool needs_hold = false;         // lamps are live only while kHoldKeyName is held; stays as it is set
   std::optional<std::string> add;  // an endpoint; it is not armed
   struct Move {
     std::size_t row = 0;  // that can_move

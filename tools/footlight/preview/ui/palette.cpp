@@ -47,7 +47,7 @@ void Palette::mark_next(int step) {
     const auto count = static_cast<long long>(rows_.size());
     const long long next = static_cast<long long>(marked_) + (tries == 0 ? step : step < 0 ? -1 : 1);
     marked_ = static_cast<std::size_t>((next + count) % count);
-    if (rows_[marked_].possible) return;
+    if (rows_[marked_].possible()) return;
   }
 }
 
@@ -63,23 +63,23 @@ std::optional<UiCall> Palette::draw_rows(bool entered, bool scrolls, float scale
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const UiActionItem& row = rows_[i];
       ImGui::PushID(static_cast<int>(i));
-      const ImGuiSelectableFlags flags = row.possible ? 0 : ImGuiSelectableFlags_Disabled;
-      if (ImGui::Selectable("##row", i == marked_ && row.possible, flags)) chosen = row.call;
+      const ImGuiSelectableFlags flags = row.possible() ? 0 : ImGuiSelectableFlags_Disabled;
+      if (ImGui::Selectable("##row", i == marked_ && row.possible(), flags)) chosen = row.call;
       if (i == marked_ && scrolls) ImGui::SetScrollHereY();
       ImGui::SameLine(0, 0);
-      ui_text(row.possible ? kUiAmber : kUiDim, row.keys);
+      ui_text(row.possible() ? kUiAmber : kUiDim, row.keys);
       ImGui::SameLine(keys_width);
-      if (row.possible) {
+      if (row.possible()) {
         ui_text(row.label);
       } else {
-        ui_text(kUiDim, row.label);
+        ui_text(kUiDim, fmt::format("{} - {}", row.label, row.why_not));
       }
       ImGui::PopID();
     }
     if (rows_.empty()) ui_text(kUiDim, tr("No action has these words."));
   }
   ImGui::EndChild();
-  if (entered && marked_ < rows_.size() && rows_[marked_].possible) chosen = rows_[marked_].call;
+  if (entered && marked_ < rows_.size() && rows_[marked_].possible()) chosen = rows_[marked_].call;
   return chosen;
 }
 

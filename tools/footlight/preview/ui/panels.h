@@ -22,6 +22,7 @@
 #include "tools/footlight/preview/ui/thumbnails.h"
 #include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
+#include "tools/footlight/preview/unpatched_levels.h"
 
 namespace footlight::tools {
 
@@ -30,6 +31,7 @@ struct UiInput {
   std::span<const std::uint8_t> levels;  // that the fixtures get: universes x 512, in the order of the compiled rig
   std::span<const FrameStamp> stamps;    // of live universes, in the same order; else empty
   const PumpStatus* status = nullptr;    // of live inputs; at most two seconds old
+  const std::vector<UnpatchedUniverse>* unpatched = nullptr;  // that live inputs receive, too; may be missing
   TimeNs now_ns = 0;                     // on the clock of the stamps
   Transport* transport = nullptr;        // of the log that plays; its second part may be changed
   const LightCurve* curve = nullptr;     // of it; may be missing

@@ -71,10 +71,12 @@ std::optional<LostAnswer> draw_lost_edits(const std::string& when, bool older, f
                                       ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoSavedSettings |
                                       ImGuiWindowFlags_NoMove;
   if (ImGui::Begin("lost edits", nullptr, kFlags)) {
-    ui_text(
-        kUiAmber,
-        older ? trf("The file has changed since the automatic copy of {}. Start with --recover to open it.", when)
-              : trf("Edits were not saved: there is an automatic copy of {}. Start with --recover to open it.", when));
+    ui_text(kUiAmber, older ? trf("The file has changed since the automatic copy of {}.", when)
+                            : trf("Edits were not saved: there is an automatic copy of {}.", when));
+    ImGui::SameLine();
+    if (ImGui::SmallButton(tr_label("Recover"))) answer = LostAnswer::kRecover;
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("%s", tr("The window opens again with these edits, as --recover does."));
     ImGui::SameLine();
     if (ImGui::SmallButton(tr_label("Keep"))) answer = LostAnswer::kKeep;
     ImGui::SameLine();

@@ -31,7 +31,7 @@ class OpenQuestion {
   bool open_ = false;
 };
 
-enum class LostAnswer { kKeep, kDiscard };
+enum class LostAnswer { kRecover, kKeep, kDiscard };
 // A line at the top of the window. when: "12:31, 26 November". older: the file was saved or changed since.
 [[nodiscard]] std::optional<LostAnswer> draw_lost_edits(const std::string& when, bool older, float scale);
 

@@ -189,12 +189,24 @@ void RigEditor::draw_menu(UiDesk& desk, const std::vector<int>& which) {
   desk.begin_gesture();
 }
 
-std::string delete_selected(UiDesk& desk) {
-  if (!desk.can_edit() || desk.selected().empty()) return "";
-  auto edit = fixtures::delete_fixtures(desk.edited(), desk.selected());
-  std::string text = edit ? edit->text : "";
+namespace {
+
+std::string news_of(UiDesk& desk, Result<fixtures::RigEdit> edit) {
+  const std::string text = edit ? edit->text : "";
   const Status edited = desk.edit(std::move(edit));
   return edited ? trf("{} (Ctrl+Z brings it back)", tr_known(text)) : tr_known(edited.error().message);
+}
+
+}  // namespace
+
+std::string delete_selected(UiDesk& desk) {
+  if (!desk.can_edit() || desk.selected().empty()) return "";
+  return news_of(desk, fixtures::delete_fixtures(desk.edited(), desk.selected()));
+}
+
+std::string unpatch_selected(UiDesk& desk) {
+  if (!desk.can_edit() || desk.selected().empty()) return "";
+  return news_of(desk, fixtures::unpatch_fixtures(desk.edited(), desk.selected()));
 }
 
 }  // namespace footlight::tools

@@ -11,7 +11,7 @@ namespace footlight::tools {
 
 class RigEditor {
  public:
-  enum class Field { kAddress, kName, kNumber, kClone };
+  using Field = EditField;
 
   // Opens the popup of a field at the mouse, at the next draw(). which: the fixtures, in the order in which addresses,
   // names and numbers count up; not empty.
@@ -42,5 +42,6 @@ class RigEditor {
 // What a user can do with the selection of a rig that can be edited, also from the keyboard. A message for the line of
 // news; empty: nothing happened.
 [[nodiscard]] std::string delete_selected(UiDesk& desk);
+[[nodiscard]] std::string unpatch_selected(UiDesk& desk);
 
 }  // namespace footlight::tools

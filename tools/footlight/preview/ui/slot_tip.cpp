@@ -38,7 +38,7 @@ SlotTip tip_of_slot(UiDesk& desk, const UiInput& input, std::size_t universe, st
     if (is_now && i < uses.size()) words += value_of(desk, input, uses[i].key);
     tip.means.push_back(std::move(words));
   }
-  const LevelSource of_universe = source_of_universe(desk, input, universe);
+  const LevelSource of_universe = source_of_universe(desk, input, universe, slot);
   tip.from = uses.empty() ? of_universe.words : source_of_channel(desk, input, uses.front().key).words;
   if (of_universe.kind == SourceKind::kLive && universe < input.stamps.size()) {
     tip.ages = trf_marked(of_universe.rarely ? tr_mark("last change {:.1f} s ago") : tr_mark("last frame {:.1f} s ago"),

@@ -75,16 +75,34 @@ Status UiDesk::follow_rig(const UiCommand& command) {
   return edit != nullptr && edit->edit.edits_fixtures() && remake_ ? remake_() : Status();
 }
 
+void UiDesk::note_done(DoneCommand done) {
+  constexpr std::size_t kDoneMax = 256;
+  if (done_.size() == kDoneMax) done_.erase(done_.begin());
+  done_.push_back(std::move(done));
+}
+
+void UiDesk::run(UiCommand command) {
+  const auto ran = history_.run(state_, std::move(command), gesture_);
+  if (ran == UiHistory::Ran::kNothing) return;
+  DoneCommand done{DoneCommand::How::kRun, text_of(*history_.next_undo(), rig())};
+  if (ran == UiHistory::Ran::kJoined && !done_.empty()) {
+    done_.back() = std::move(done);
+  } else {
+    note_done(std::move(done));
+  }
+}
+
 Status UiDesk::edit(Result<fixtures::RigEdit> edit, std::optional<Selection> selects) {
   if (!edit) return tl::unexpected<Error>(std::move(edit).error());
   if (!can_edit()) return fail(ErrorCode::kUnsupported, "this rig cannot be edited");
   const std::uint64_t before = state_.revision;
   const bool remakes = remake_ && edit->edits_fixtures();
-  history_.run(state_, EditRig{std::move(*edit), std::move(selects)}, gesture_);
+  run(EditRig{std::move(*edit), std::move(selects)});
   if (state_.revision == before) return {};
   Status made = remakes ? remake_() : Status();
   if (made) return {};
   // A drag is taken back as a whole, so what is shown is not yet what is left.
+  if (!done_.empty()) done_.pop_back();
   history_.undo(state_);
   history_.forget_undone();
   (void)remake_();
@@ -128,7 +146,9 @@ std::string UiDesk::undo() {
     history_.redo(state_);
     return made.error().message;
   }
-  return text_of(*command, rig());
+  std::string text = text_of(*command, rig());
+  note_done({DoneCommand::How::kUndo, text});
+  return text;
 }
 
 std::string UiDesk::redo() {
@@ -140,7 +160,9 @@ std::string UiDesk::redo() {
     history_.undo(state_);
     return made.error().message;
   }
-  return text_of(*command, rig());
+  std::string text = text_of(*command, rig());
+  note_done({DoneCommand::How::kRedo, text});
+  return text;
 }
 
 void UiDesk::select(int fixture, bool add) {

@@ -31,6 +31,16 @@ namespace footlight::tools {
 inline constexpr float kBrightestEv = -20;
 inline constexpr float kDarkestEv = 30;
 
+// What a field of the patch edits of the selected fixtures.
+enum class EditField { kAddress, kName, kNumber, kClone };
+
+// A command that was carried out, for the log of the session.
+struct DoneCommand {
+  enum class How { kRun, kUndo, kRedo };
+  How how = How::kRun;
+  std::string text;  // "set Pan of Spot 3"
+};
+
 class UiDesk {
  public:
   // Both outlive this, or until show().
@@ -68,8 +78,12 @@ class UiDesk {
   // Where definitions of fixtures are that can be added, besides the built-in ones.
   void list_definitions_in(std::vector<fixtures::LibraryFolder> folders) { definition_folders_ = std::move(folders); }
   [[nodiscard]] const std::vector<fixtures::LibraryFolder>& definition_folders() const { return definition_folders_; }
-  // Rigs that were opened before, the newest first.
-  void list_recent(std::vector<std::string> paths) { recent_rigs_ = std::move(paths); }
+  // Rigs and logs that were opened before, the newest first.
+  void list_recent(std::vector<std::string> rigs, std::vector<std::string> logs = {}) {
+    recent_rigs_ = std::move(rigs);
+    recent_logs_ = std::move(logs);
+  }
+  [[nodiscard]] const std::vector<std::string>& recent_logs() const { return recent_logs_; }
   [[nodiscard]] const std::vector<std::string>& recent_rigs() const { return recent_rigs_; }
   // A message for the line of news, from where there is no other place for it.
   void tell(std::string news) { news_ = std::move(news); }
@@ -83,12 +97,16 @@ class UiDesk {
   [[nodiscard]] const UiHistory& history() const { return history_; }
   [[nodiscard]] bool take_forgot() { return history_.take_forgot(); }
 
-  void run(UiCommand command) { history_.run(state_, std::move(command), gesture_); }
+  void run(UiCommand command);
+  // The commands since the last call, at most the last 256. Those of one gesture are one, as it is by now.
+  [[nodiscard]] std::vector<DoneCommand> take_done() { return std::exchange(done_, {}); }
   // What the commands that follow belong to, until the next call: a drag is one gesture.
   void begin_gesture() { ++gesture_; }
   // Takes the command of the current gesture back, as if it had not been: for a drag that is cancelled. Nothing happens
   // if there was none. For commands that do not edit the rig.
-  void drop_gesture() { (void)history_.drop(state_, gesture_); }
+  void drop_gesture() {
+    if (history_.drop(state_, gesture_) && !done_.empty()) done_.pop_back();
+  }
   // The text of the command; empty: there was none.
   std::string undo();
   std::string redo();
@@ -120,6 +138,14 @@ class UiDesk {
   void jump_camera(const OrbitCamera& camera, std::optional<float> exposure_ev = std::nullopt);
   // Within kDarkestEv and kBrightestEv; nothing happens if it is no number.
   void set_exposure(Exposure exposure);
+
+  // How the picture looks. start_look() is not a command.
+  void set_look(const PictureLook& look) { run(SetLook{look}); }
+  void start_look(const PictureLook& look) { state_.look = look; }
+
+  // Asks the patch for a field of the selected fixtures, which opens there.
+  void ask_field(EditField field) { asked_field_ = field; }
+  [[nodiscard]] std::optional<EditField> take_asked_field() { return std::exchange(asked_field_, std::nullopt); }
 
   // Markers of the log. Errors: those of with_marker() and with_name(). Indices into UiState::markers.
   Status add_marker(TimeNs at_ns);
@@ -203,6 +229,7 @@ class UiDesk {
   [[nodiscard]] bool is_lit(Lit lit) const { return lit == Lit::kLit || (lit == Lit::kPoints && locates()); }
   void run_taken(TakeChannels command);
 
+  void note_done(DoneCommand done);
   [[nodiscard]] Status follow_rig(const UiCommand& command);
   [[nodiscard]] bool is_hidden(const UiCommand* command) const;
   void show_view_of(const UiCommand& command);
@@ -213,8 +240,11 @@ class UiDesk {
   std::function<Status()> remake_;
   std::uint64_t shown_count_ = 0;
   std::string news_;
+  std::vector<DoneCommand> done_;
+  std::optional<EditField> asked_field_;
   std::vector<fixtures::LibraryFolder> definition_folders_;
   std::vector<std::string> recent_rigs_;
+  std::vector<std::string> recent_logs_;
   std::unique_ptr<RigIndex> index_;
   std::unique_ptr<HandLevels> lit_;                                // what Highlight writes; made when it is first used
   std::map<std::pair<int, int>, std::vector<Lit>> lit_channels_;   // of a type and a mode

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "render/display.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
 #include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/words.h"
@@ -145,6 +146,21 @@ bool SetExposure::join(const SetExposure& later) {
   return true;
 }
 
+bool SetLook::apply(UiState& state) {
+  before = std::exchange(state.look, after);
+  return before != after;
+}
+std::string SetLook::text(const fixtures::Rig&) const {
+  if (after.tone != before.tone) return trf("tone curve {}", render::word_of(after.tone));
+  if (after.glare_percent != before.glare_percent) return trf("set the glare to {:.1f} %", after.glare_percent);
+  if (!after.balances_white) return tr("no white balance");
+  return trf("white balance for {:.0f} K", after.white_k);
+}
+bool SetLook::join(const SetLook& later) {
+  after = later.after;
+  return true;
+}
+
 bool EditMarkers::apply(UiState& state) {
   before = std::exchange(state.markers, after);
   return before != after;
@@ -244,8 +260,8 @@ std::string text_of(const UiCommand& command, const fixtures::Rig& rig) {
   return std::visit([&](const auto& one) { return one.text(rig); }, command);
 }
 
-void UiHistory::run(UiState& state, UiCommand command, std::uint64_t gesture) {
-  if (!std::visit([&](auto& one) { return one.apply(state); }, command)) return;
+UiHistory::Ran UiHistory::run(UiState& state, UiCommand command, std::uint64_t gesture) {
+  if (!std::visit([&](auto& one) { return one.apply(state); }, command)) return Ran::kNothing;
   forget_undone();
   bool joined = false;
   if (gesture != 0 && gesture == gesture_ && done_ > 0) {
@@ -273,6 +289,7 @@ void UiHistory::run(UiState& state, UiCommand command, std::uint64_t gesture) {
     forgot_ = true;
   }
   done_ = commands_.size();
+  return joined ? Ran::kJoined : Ran::kNew;
 }
 
 bool UiHistory::drop(UiState& state, std::uint64_t gesture) {

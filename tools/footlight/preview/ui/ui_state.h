@@ -15,6 +15,7 @@
 
 #include "fixtures/edit/rig_edit.h"
 #include "fixtures/model/rig.h"
+#include "render/settings.h"
 #include "tools/footlight/preview/orbit_camera.h"
 #include "tools/footlight/preview/ui/markers.h"
 #include "tools/footlight/preview/ui/rig_index.h"
@@ -37,6 +38,15 @@ struct Exposure {
   bool operator==(const Exposure&) const = default;
 };
 
+// How the picture looks, but for its exposure and its haze, which is the rig's.
+struct PictureLook {
+  render::ToneCurve tone = render::ToneCurve::kAgx;
+  bool balances_white = false;
+  float white_k = 5600;  // where it does
+  float glare_percent = 1;
+  bool operator==(const PictureLook&) const = default;
+};
+
 struct UiState {
   Selection selection;
   std::map<ChannelKey, std::uint32_t> taken;  // channels with a value of the user's instead of the input's
@@ -47,6 +57,7 @@ struct UiState {
     return of_view == view ? camera : cameras[static_cast<std::size_t>(of_view)];
   }
   Exposure exposure;
+  PictureLook look;
   Markers markers;  // of the log
   // The rig as its file has it, which EditRig changes; nullptr: it cannot be edited. Its fixtures have the indices of
   // the selection.
@@ -113,6 +124,17 @@ struct SetExposure {
   [[nodiscard]] std::size_t heap_bytes() const { return 0; }
 };
 
+struct SetLook {
+  PictureLook after;
+  PictureLook before = {};
+
+  bool apply(UiState& state);
+  void undo(UiState& state) const { state.look = before; }
+  [[nodiscard]] std::string text(const fixtures::Rig& rig) const;
+  bool join(const SetLook& later);
+  [[nodiscard]] std::size_t heap_bytes() const { return 0; }
+};
+
 struct EditMarkers {
   Markers after;
   std::string does;  // "add the marker Chorus"
@@ -150,7 +172,7 @@ struct EditRig {
   void move_ids(UiState& state);
 };
 
-using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera, SetExposure, EditMarkers, EditRig>;
+using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera, SetExposure, SetLook, EditMarkers, EditRig>;
 [[nodiscard]] std::string text_of(const UiCommand& command, const fixtures::Rig& rig);
 
 // The commands so far, and those that were undone. Forgets the oldest ones when they need more than bytes_max: a drag
@@ -164,7 +186,8 @@ class UiHistory {
 
   // Applies a command and remembers it; forgets what was undone. A command that changes nothing is not remembered.
   // Commands of one gesture, such as the drag of a slider, become one if they edit the same; 0: no gesture.
-  void run(UiState& state, UiCommand command, std::uint64_t gesture = 0);
+  enum class Ran { kNothing, kNew, kJoined };
+  Ran run(UiState& state, UiCommand command, std::uint64_t gesture = 0);
   // nullptr: there is nothing to undo or redo. Else the command that was.
   const UiCommand* undo(UiState& state);
   const UiCommand* redo(UiState& state);

@@ -15,6 +15,7 @@
 #include "tools/footlight/monitor/slot_changes.h"
 #include "tools/footlight/preview/ui/draw_compare.h"
 #include "tools/footlight/preview/ui/draw_universe_maps.h"
+#include "tools/footlight/preview/ui/draw_unpatched.h"
 #include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/slot_names.h"
@@ -51,6 +52,8 @@ class UniversesPanel final : public Panel {
     }
     shown_ = std::min(shown_, universes.size() - 1);
     draw_choice(desk, input);
+    unpatched_.draw_choice(input);
+    if (unpatched_.shows()) return unpatched_.draw(input, frozen_);
     if (compare_.take(desk, input, frozen_)) fresh_ = true;  // the grid shows the levels that were compared
     if (nine_ && universes.size() > 1) return draw_nine(desk, input);
     take(desk, input);
@@ -107,7 +110,9 @@ class UniversesPanel final : public Panel {
       if (ImGui::Checkbox(tr_label("nine at once"), &nine_)) fresh_ = true;
       if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("Maps of nine universes. A click on one shows it alone."));
     }
-    if (shown_ != before) fresh_ = true;
+    if (shown_ == before) return;
+    fresh_ = true;
+    unpatched_.leave();
   }
 
   void draw_nine(UiDesk& desk, const UiInput& input) {
@@ -279,6 +284,7 @@ class UniversesPanel final : public Panel {
   CompareView compare_;
   bool nine_ = false;  // maps of a page of universes
   UniverseMaps maps_;
+  UnpatchedView unpatched_;
   TimeNs now_ns_ = 0;  // of changes_
   std::size_t last_under_ = 0;
 };
