@@ -5,12 +5,12 @@ layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) readonly buffer EdgeMas
 layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) readonly buffer EdgeIdsBuffer { EdgeIdRow edge_ids[]; };
 layout(set = 0, binding = FL_BINDING_EDGE_SAMPLES, std430) buffer EdgeSamplesBuffer { uint edge_samples[]; };
 
-bool has_edge(ivec2 at) {
+// Which of 16 pixels in a row, from the first column of a tile on, have an edge: a bit each.
+uint edges_of_row(ivec2 first) {
   uint tiles_x = (params.width + uint(FL_TILE_PX - 1)) / uint(FL_TILE_PX);
-  uvec2 tile = uvec2(at) / uint(FL_TILE_PX);
-  uvec2 in_tile = uvec2(at) % uint(FL_TILE_PX);
-  uint bit = in_tile.y * uint(FL_TILE_PX) + in_tile.x;
-  return (edge_masks[(tile.y * tiles_x + tile.x) * FL_EDGE_WORDS + bit / 32u] >> (bit % 32u) & 1u) != 0u;
+  uvec2 tile = uvec2(first) / uint(FL_TILE_PX);
+  uint bit = uint(first.y) % uint(FL_TILE_PX) * uint(FL_TILE_PX);
+  return edge_masks[(tile.y * tiles_x + tile.x) * FL_EDGE_WORDS + bit / 32u] >> (bit % 32u) & 0xffffu;
 }
 
 // Towards the camera.
@@ -162,31 +162,70 @@ uint covered_samples(Sides s, vec3 sides) {
   return covered;
 }
 
-// With all threads: the pixels `begin`, `begin` + `stride` and so on, of a thread's own triangle; none where `begin` is
-// below 0. The last pairs are left undrawn.
+// The columns of a row in which a triangle may cover a sample; the last is below the first where there are none.
+ivec2 columns_of(Sides s, int y) {
+  vec3 e = s.at_origin + float(y - s.origin.y) * s.by_y + 0.51 * (abs(s.by_x) + abs(s.by_y));
+  vec2 ends = vec2(-1e6, 1e6);
+  for (uint k = 0u; k < 3u; ++k) {
+    float end = -e[k] / s.by_x[k];
+    if (s.by_x[k] > 0.0) ends.x = max(ends.x, end);
+    else if (s.by_x[k] < 0.0) ends.y = min(ends.y, end);
+    else if (!(e[k] >= 0.0)) ends.y = -2e6;
+  }
+  ends = clamp(ends, vec2(-2e6), vec2(2e6));
+  return s.origin.x + ivec2(int(floor(ends.x)) - 1, int(ceil(ends.y)) + 1);
+}
+
+// Pixels with an edge in part `i` of a triangle: a row of one of the tiles that it reaches into. Bits from `first` on.
+uint edges_in_part(uint number, int i, out ivec2 first) {
+  ivec2 low = drawn[number].low;
+  ivec2 high = drawn[number].high;
+  int tiles = high.x / FL_TILE_PX - low.x / FL_TILE_PX + 1;
+  first = ivec2((low.x / FL_TILE_PX + i % tiles) * FL_TILE_PX, low.y + i / tiles);
+  ivec2 ends = columns_of(drawn[number].sides, first.y);
+  ends = clamp(ivec2(max(ends.x, low.x), min(ends.y, high.x)) - first.x, ivec2(0, -1), ivec2(FL_TILE_PX));
+  if (ends.x > ends.y || ends.x == FL_TILE_PX) return 0u;
+  uint below = (1u << ends.x) - 1u;
+  uint within = (1u << min(ends.y + 1, FL_TILE_PX)) - 1u;
+  return (within & ~below) != 0u ? edges_of_row(first) & within & ~below : 0u;
+}
+
+// Whether a pair was kept; false: there is no room.
+bool keep_pair(uint number, ivec2 at) {
+  if (drawn[number].nearest_z < edge_ids[uint(at.y) * params.width + uint(at.x)].farthest_z) return true;
+  Sides s = drawn[number].sides;
+  vec2 way = vec2(at - s.origin);
+  vec3 sides = drawn[number].open
+                   ? s.at_origin + way.x * s.by_x + way.y * s.by_y
+                   : sides_at(drawn[number].p0, drawn[number].p1, drawn[number].p2, s.turn, at);
+  uint covered = covered_samples(s, sides);
+  if (covered == 0u) return true;
+  uint to = atomicAdd(pair_count, 1u);
+  if (to >= FL_PAIRS) return false;
+  pairs[to] = uvec2(covered << 16 | number, uint(at.y) << 16 | uint(at.x));
+  pair_sides[to] = sides;
+  return true;
+}
+
+// With all threads: parts `begin`, `begin` + `stride` and so on, of a thread's own triangle; none where `begin` is below
+// 0. The last pairs are left undrawn.
 void gather_pairs(uint number, int begin, int stride) {
   ivec2 low = drawn[number].low;
-  ivec2 size = drawn[number].high - low + 1;
-  Sides s = drawn[number].sides;
-  vec3 reach = 0.51 * (abs(s.by_x) + abs(s.by_y));
-  int count = begin < 0 ? 0 : size.x * size.y;
+  ivec2 high = drawn[number].high;
+  int count = begin < 0 ? 0 : (high.x / FL_TILE_PX - low.x / FL_TILE_PX + 1) * (high.y - low.y + 1);
   int i = begin;
+  uint bits = 0u;
+  ivec2 first;
   for (;;) {
-    for (; i < count; i += stride) {
-      ivec2 at = low + ivec2(i % size.x, i / size.x);
-      if (!has_edge(at)) continue;
-      if (drawn[number].nearest_z < edge_ids[uint(at.y) * params.width + uint(at.x)].farthest_z) continue;
-      vec2 way = vec2(at - s.origin);
-      vec3 sides = s.at_origin + way.x * s.by_x + way.y * s.by_y;
-      vec3 most = sides + reach;
-      if (!(min(most.x, min(most.y, most.z)) >= 0.0)) continue;
-      if (!drawn[number].open) sides = sides_at(drawn[number].p0, drawn[number].p1, drawn[number].p2, s.turn, at);
-      uint covered = covered_samples(s, sides);
-      if (covered == 0u) continue;
-      uint to = atomicAdd(pair_count, 1u);
-      if (to >= FL_PAIRS) break;
-      pairs[to] = uvec2(covered << 16 | number, uint(at.y) << 16 | uint(at.x));
-      pair_sides[to] = sides;
+    while (bits != 0u || i < count) {
+      if (bits == 0u) {
+        bits = edges_in_part(number, i, first);
+        i += stride;
+      } else if (keep_pair(number, first + ivec2(findLSB(bits), 0))) {
+        bits &= bits - 1u;
+      } else {
+        break;
+      }
     }
     barrier();
     uint found = pair_count;
