@@ -5,9 +5,19 @@
 //
 // A pass that reads it says for which ray: haze_begin(), before any of beam.h.
 #include "render/shaders/shared/haze_field.h"
+#ifdef FL_HAZE_PLUMES
+#include "render/shaders/shared/haze_plume.h"
+layout(set = 0, binding = FL_BINDING_HAZE, std430) readonly buffer HazeBuffer {
+  HazeField haze_field;
+  HazePlumes haze_plumes;
+  HazePuff haze_puffs[];
+};
+#else
 layout(set = 0, binding = FL_BINDING_HAZE, std430) readonly buffer HazeBuffer { HazeField haze_field; };
+#endif
 // A texel a ray and a layer a slice: the integral, m, where the slice begins and where it ends.
-#ifdef FL_HAZE_WRITE
+#ifdef FL_HAZE_NO_TABLE
+#elif defined(FL_HAZE_WRITE)
 layout(set = 0, binding = FL_BINDING_HAZE_TABLE_OUT, rg32f) uniform writeonly image2DArray haze_table;
 #else
 layout(set = 0, binding = FL_BINDING_HAZE_TABLE) uniform sampler2DArray haze_table;
@@ -21,6 +31,7 @@ float haze_distance(float u) {
 
 #ifndef FL_HAZE_WRITE
 #define FL_HAZE_FIELD
+layout(constant_id = FL_SPEC_PLUMES) const bool kPlumes = false;
 vec2 haze_texel;  // of the ray, in the table
 
 // px: place in the picture, pixels. Outside of it the haze is that of its border.
