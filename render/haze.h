@@ -34,8 +34,8 @@ static_assert(sizeof(f32::HazePlumes) == 16);
 // The same as the GPU has it.
 [[nodiscard]] f32::HazeField haze_field_in_float(const f64::HazeField& field);
 
-// The plumes of machines at one moment. Where they have haze the air scatters by head.scattering_per_m per density of 1,
-// which is at least kLeastScatteringPerM: clear air with plumes in it has haze of that little.
+// The plumes of machines at one moment. Where they have haze, the air scatters by head.scattering_per_m per density of
+// 1. That is at least kLeastScatteringPerM, so clear air with plumes in it counts as haze of that little.
 inline constexpr double kLeastScatteringPerM = 1e-5;
 struct PlumeField {
   f64::HazePlumes head{};

@@ -181,7 +181,10 @@ std::uint64_t haze_bytes(const fixtures::Needs& needs) {
   const std::uint64_t plumes = sizeof(f32::HazePlumes) + FL_PUFFS_MAX * sizeof(f32::HazePuff);
   return uneven_haze(needs) ? sizeof(f32::HazeField) + (needs.plumes ? plumes : 0) : 0;
 }
-constexpr std::uint64_t kHazeTableBytes = std::uint64_t{8} * FL_HAZE_X * FL_HAZE_Y * FL_HAZE_SLICES;
+std::uint64_t haze_table_bytes(const fixtures::Needs& needs) {
+  const std::uint64_t texel = needs.plumes ? 16 : 8;
+  return uneven_haze(needs) ? texel * FL_HAZE_X * FL_HAZE_Y * FL_HAZE_SLICES : 0;
+}
 
 // Words of a supertile's mask. They come in pairs, as one group of the tile pass writes them.
 std::uint32_t mask_words_of(const CompiledRig& compiled) {
@@ -447,7 +450,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_DISPLAY_CELLS:
     case FL_BINDING_DISPLAY_JOBS: return display_bytes(binding, shape);
     case FL_BINDING_HAZE: return haze_bytes(shape.needs);
-    case FL_BINDING_HAZE_TABLE_OUT: return uneven_haze(shape.needs) ? kHazeTableBytes : 0;
+    case FL_BINDING_HAZE_TABLE_OUT: return haze_table_bytes(shape.needs);
     case FL_BINDING_BOXES: return shape.rig.boxes.size() * sizeof(BoxRow);
     case FL_BINDING_GOBOS: return gobo_bytes(shape);
     case FL_BINDING_GOBO_TABLES: return largest_gobo_tables(shape).rows.size() * sizeof(GoboTableRow);
@@ -578,7 +581,8 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   if (used[FL_BINDING_HAZE]) {
     FL_ASSIGN(r.haze, zeroed(device, binding_bytes(FL_BINDING_HAZE, shape)));
     const std::uint32_t slices = uneven_haze(shape.needs) ? FL_HAZE_SLICES : 0;
-    FL_ASSIGN(r.haze_table, table_image(device, FL_HAZE_X, FL_HAZE_Y, slices, VK_FORMAT_R32G32_SFLOAT));
+    const VkFormat format = shape.needs.plumes ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
+    FL_ASSIGN(r.haze_table, table_image(device, FL_HAZE_X, FL_HAZE_Y, slices, format));
     FL_TRY(device.run_once([&](VkCommandBuffer commands) {
       vk::change_layout(commands, r.haze_table, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     }));
@@ -783,7 +787,8 @@ void Resources::bind_all() {
   bindings.set_image(FL_BINDING_SCREEN, picture.screen);
   for (const vk::Image* image :
        {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &rig.haze_table, &picture.surface_id,
-        &picture.depth, &picture.edges, &picture.blurred, &picture.glare, &picture.mirror, &picture.radiance, &picture.screen}) {
+        &picture.depth, &picture.edges, &picture.blurred, &picture.glare, &picture.mirror, &picture.radiance,
+        &picture.screen}) {
     total_bytes += image->size_bytes;
   }
   for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &rig.haze_table}) {

@@ -498,8 +498,8 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     const double t_max_m = visible_air_m(scene, hit);
     for (const JudgeBeam& beam : scene.beams) {
       const glm::dvec3 share = in_colors(beam, [&](const GoboTransmission& gobo) {
-        return inscatter(beam, {scene.haze, scene.density, scene.even_extinction, &scene.plumes, scene.lens}, ray, 0, t_max_m, gobo,
-                         tolerance, refinement, scene.solids);
+        return inscatter(beam, {scene.haze, scene.density, scene.even_extinction, &scene.plumes, scene.lens}, ray,
+                         0, t_max_m, gobo, tolerance, refinement, scene.solids);
       });
       if (share.x + share.y + share.z > 0) *hits += 1;
       total += scene.haze.scattering_per_m * share * beam.strength_lm;

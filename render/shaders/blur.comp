@@ -1,6 +1,6 @@
 #version 460
-// Depth of field: each pixel gets the light of those around it whose discs reach it. What is nearer lies over it; what is
-// behind it shows through where its own disc reaches past its edge.
+// Depth of field: each pixel gets the light of those around it whose discs reach it. What is nearer lies over it. What
+// is behind it shows through where its own disc reaches past its edge.
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/blur.glsl"

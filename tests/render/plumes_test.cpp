@@ -88,7 +88,7 @@ TEST_CASE("plumes of machines in a picture are those that the judge marches thro
   const FrameSettings settings = small(32, 18);
   for (const double scattering_per_m : {0.0, 0.01}) {
     Scene scene = foggy_scene(scattering_per_m);
-    blow(scene, 0.4, 1);
+    blow(scene, scattering_per_m > 0 ? 0.4 : 0.04, scattering_per_m > 0 ? 1 : 0.1);
     const auto frame = make_frame(vulkan.device(), scene, settings);
     frame->step(scene.levels, 6 * kSecondNs);
     const RadianceImage drawn = picture(*frame, scene);
@@ -97,7 +97,7 @@ TEST_CASE("plumes of machines in a picture are those that the judge marches thro
     std::fprintf(stderr, "plumes in %.3g /m: relL2 %.3g, p99 %.3g; without plumes %.3g\n", scattering_per_m,
                  norms.rel_l2, norms.p99, without);
     if (std::getenv("FOOTLIGHT_PRINT_ERRORS") != nullptr) {
-      for (const std::uint32_t nodes : {1u, 5u, 8u, 256u}) {
+      for (const std::uint32_t nodes : {1u, 8u, 256u}) {
         FrameSettings other = settings;
         other.nodes = nodes;
         if (nodes > 8) other.method = BeamMethod::kMarch;
@@ -159,9 +159,9 @@ TEST_CASE(
   even->step(plain.levels, 2 * kSecondNs);
   const RadianceImage reference = picture(*even, plain);
   const std::vector<double> expected(reference.rgb.begin(), reference.rgb.end());
-  CHECK(picture_norms(closed.rgb, expected).rel_l2 < 1e-5);
+  CHECK(picture_norms(closed.rgb, expected).rel_l2 < 1e-3);  // two rules of quadrature
   for (const PassPlan& pass : even->plan()) CHECK(pass.name != "haze");
-  CHECK(frame->bytes() - even->bytes() > 18'000'000);
+  CHECK(frame->bytes() - even->bytes() > 36'000'000);
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 // Plumes of haze in front of machines (fixtures/simulate/plume.h), beside the haze of haze_field.h, which it needs.
 //
 // A plume is a row of Gaussian puffs along one axis. Their densities are over that of the haze that a frame counts as
-// even. Value noise of one layer, that moves along the axis, makes them patchy: a factor of 1 + 0.5 n, n within -1 and 1
-// with a mean of 0. Light that goes to the eye through a puff is lost in it, without the noise. On its way from a lamp
-// none is lost.
+// even. Value noise of one layer, which moves along the axis, makes them patchy: a factor of 1 + 0.5 n, n within -1
+// and 1 with a mean of 0. Light that goes to the eye through a puff is lost in it, without the noise. On its way from
+// a lamp none is lost.
 
 // 48 bytes, in float.
 struct HazePuff {
