@@ -35,7 +35,7 @@ const PassEntry kHazePass{
     "haze",
     has_haze_field,
     [](const fixtures::Needs& needs, const FrameSettings&) {
-      return std::vector<vk::SpecConstant>{{FL_SPEC_PLUMES, needs.plumes}};
+      return needs.plumes ? std::vector<vk::SpecConstant>{{FL_SPEC_PLUMES, 1}} : std::vector<vk::SpecConstant>{};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       const bool plumes = has_constant(context, FL_SPEC_PLUMES);

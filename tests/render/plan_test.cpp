@@ -251,6 +251,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_EDGE_SAMPLES, 16}}},
                               {"strips", {{FL_SPEC_EXTINCTION, 1}, {FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}}},
                               {"lenses", constants_of(plan_frame(demo_needs(), settings), "surfaces")},
+                              {"blur", {}},
                               {"glare", {}},
                               {"tonemap", {{FL_SPEC_TONE, FL_TONE_AGX}, {FL_SPEC_WHITE, 0}, {FL_SPEC_METER, 0}}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());
