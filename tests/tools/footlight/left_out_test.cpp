@@ -98,8 +98,8 @@ TEST_CASE("without runs nothing is timed, and the bytes are the same") {
     CHECK(!row.times);
     if (row.pass) passes.insert(row.name);
   }
-  // Nothing has a gobo, haze is even, there is no laser, sun or display, judged pictures have no reflected light, and no
-  // depth of field is asked for.
+  // Nothing has a gobo, haze is even, there is no laser, sun or display, judged pictures have no reflected light, and
+  // no depth of field is asked for.
   CHECK(passes == std::set<std::string>{"gobos", "gloss", "haze", "lasers", "mirrors", "shafts", "displays", "strips",
                                         "bounce", "blur"});
   CHECK(row_of(rows, "gobo", false).bytes > 0);
