@@ -112,6 +112,11 @@ Status Frame::check_settings(const FrameSettings& settings) const {
     return fail(ErrorCode::kBadInput, "white balance {} K: expected 0 for none, or {} to {}", settings.white_k,
                 kWhiteMinK, kWhiteMaxK);
   }
+  if (settings.f_stop != 0 && !(settings.f_stop >= fixtures::kFStopMin && settings.f_stop <= fixtures::kFStopMax &&
+                                settings.focus_m >= fixtures::kFocusMinM)) {
+    return fail(ErrorCode::kBadInput, "f-stop {} at {} m: expected 0 for none, or {} to {} at {} m or more",
+                settings.f_stop, settings.focus_m, fixtures::kFStopMin, fixtures::kFStopMax, fixtures::kFocusMinM);
+  }
   if (settings.gloss_px > 8) {
     return fail(ErrorCode::kBadInput, "{} pixels a side of one of a mirror: expected 0 to 8", settings.gloss_px);
   }
@@ -157,6 +162,7 @@ Status Frame::change(const FrameSettings& requested) {
       has_smooth_edges(needs, settings) == has_smooth_edges(drawn_needs(needs_, haze_, settings_), settings_) &&
       settings.edge_samples == settings_.edge_samples && settings.edge_pixels == settings_.edge_pixels &&
       has_glare(needs, settings) == has_glare(drawn_needs(needs_, haze_, settings_), settings_) &&
+      has_depth_of_field(needs, settings) == has_depth_of_field(needs, settings_) &&
       has_gloss(needs, settings) == has_gloss(needs, settings_) && settings.gloss_px == settings_.gloss_px &&
       settings.penumbra == settings_.penumbra &&
       has_displays(needs, settings) == has_displays(needs, settings_) &&
@@ -346,8 +352,13 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   FrameParams params{};
   params.right = vec4(view.right * (view.tan_half_fov * aspect), kNearM);
   params.up = vec4(view.up * view.tan_half_fov, range_m_);
-  const double scattering_per_m =
+  double scattering_per_m =
       settings_.haze ? haze_.scattering_per_m + (machines_ ? machines_->scattering_per_m() : 0) : 0;
+  PlumeField plumes;
+  if (settings_.haze && needs_.plumes) {
+    plumes = plume_field(puffs(), scattering_per_m, time_ns_);
+    scattering_per_m = plumes.head.scattering_per_m;
+  }
   params.forward = vec4(view.forward, scattering_per_m);
   params.position = vec4(view.position_m, scattering_per_m + haze_.absorption_per_m);
   params.width = static_cast<std::uint32_t>(settings.width);
@@ -374,14 +385,7 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   if (mirror != nullptr) params.mirror_m = static_cast<float>(mirror_plane_.height_m() - view.position_m.z);
   vk::full_barrier(commands);  // the frame before may still be reading
   vkCmdUpdateBuffer(commands, resources_.rig.params.handle, 0, sizeof(params), &params);
-  if (draws(kHazePass)) {
-    f64::HazeField field = haze_field(haze_, time_ns_);
-    const double away_m = glm::length(view.position_m - haze_center_m_);
-    field.from_m = std::max(away_m - haze_radius_m_, 0.0);
-    field.length_m = away_m + haze_radius_m_ - field.from_m;
-    const f32::HazeField single = haze_field_in_float(field);
-    vkCmdUpdateBuffer(commands, resources_.rig.haze.handle, 0, sizeof(single), &single);
-  }
+  if (draws(kHazePass)) upload_haze(commands, view, plumes);
   vk::full_barrier(commands);
 }
 

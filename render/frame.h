@@ -21,6 +21,7 @@
 #include "fixtures/simulate/walker.h"
 #include "render/display_films.h"
 #include "render/frame_state.h"
+#include "render/haze.h"
 #include "render/image.h"
 #include "render/mirror.h"
 #include "render/pass.h"
@@ -127,6 +128,10 @@ class Frame {
   // Work light from the next picture on, lx on a face that looks up and at the camera, on top of the rig's ambient
   // light. At first there is none.
   void set_work_light_lx(double work_light_lx) { work_light_lx_ = work_light_lx; }
+  // The plumes of machines, now: those of its own machines, or what set_puffs() got last.
+  [[nodiscard]] std::vector<fixtures::PlumePuff> puffs() const;
+  // Replaces them from the next picture on; none: its own again. Does nothing in a rig without plumes.
+  void set_puffs(std::vector<fixtures::PlumePuff> puffs) { puffs_ = std::move(puffs); }
   // Scattering of the room's own haze from the next picture on, in 1/m; finite, 0 or more. Changes no pass. Does
   // nothing in a rig that has no haze.
   void set_haze_per_m(double scattering_per_m) {
@@ -207,6 +212,7 @@ class Frame {
   void record_steps(VkCommandBuffer commands, bool timed);
   void record_levels(VkCommandBuffer commands);
   // mirror: `view` is that of its camera; null: of the frame's own.
+  void upload_haze(VkCommandBuffer commands, const View& view, const PlumeField& plumes);
   void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev, const Mirror* mirror = nullptr);
   void record_passes(VkCommandBuffer commands, bool before_views);
   void mark(VkCommandBuffer commands, std::string_view ended);
@@ -221,6 +227,7 @@ class Frame {
   FrameSettings settings_;
   fixtures::Needs needs_;  // of the rig, whatever the settings
   fixtures::Haze haze_;    // the room's own
+  std::vector<fixtures::PlumePuff> puffs_;  // instead of those of its machines
   double ambient_lx_ = 0;
   RigTables tables_;  // empty if they are shared
   Resources resources_;

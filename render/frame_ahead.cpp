@@ -62,6 +62,7 @@ Result<std::unique_ptr<Frame>> Frame::create_beside(Frame& owner, const FrameSet
 
 void Frame::follow(const Frame& owner) {
   time_ns_ = owner.time_ns_;
+  puffs_ = owner.puffs();
   set_haze_per_m(owner.haze_.scattering_per_m + (owner.machines_ ? owner.machines_->scattering_per_m() : 0));
 }
 

@@ -4,9 +4,11 @@
 #include <bit>
 #include <cstring>
 #include <iterator>
+#include <span>
 #include <vector>
 
 #include "render/frame.h"
+#include "render/haze.h"
 #include "render/vk/device.h"
 #include "sim/core/check.h"
 
@@ -61,6 +63,25 @@ void Frame::forget_air() {
 
 void Frame::settle_machine_air(std::span<const std::uint8_t> levels) {
   if (machines_) machines_->settle(levels);
+}
+
+std::vector<fixtures::PlumePuff> Frame::puffs() const {
+  return machines_ && puffs_.empty() ? machines_->puffs() : puffs_;
+}
+
+void Frame::upload_haze(VkCommandBuffer commands, const View& view, const PlumeField& plumes) {
+  f64::HazeField field = haze_field(haze_, time_ns_);
+  const double away_m = glm::length(view.position_m - haze_center_m_);
+  field.from_m = std::max(away_m - haze_radius_m_, 0.0);
+  field.length_m = away_m + haze_radius_m_ - field.from_m;
+  const f32::HazeField single = haze_field_in_float(field);
+  const VkBuffer haze = resources_.rig.haze.handle;
+  vkCmdUpdateBuffer(commands, haze, 0, sizeof(single), &single);
+  if (!needs_.plumes) return;
+  const PlumeRows rows = plume_rows(plumes);
+  vkCmdUpdateBuffer(commands, haze, sizeof(single), sizeof(rows.head), &rows.head);
+  const std::size_t bytes = std::span(rows.puffs).size_bytes();
+  if (bytes > 0) vkCmdUpdateBuffer(commands, haze, sizeof(single) + sizeof(rows.head), bytes, rows.puffs.data());
 }
 
 // The buffers that the steps write, and the newest levels, which displays show.

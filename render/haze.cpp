@@ -1,7 +1,9 @@
 #include "render/haze.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace footlight::render {
 
@@ -52,6 +54,45 @@ f32::HazeField haze_field_in_float(const f64::HazeField& field) {
   single.from_m = static_cast<float>(field.from_m);
   single.length_m = static_cast<float>(field.length_m);
   return single;
+}
+
+PlumeField plume_field(std::span<const fixtures::PlumePuff> puffs, double scattering_per_m, std::int64_t time_ns) {
+  PlumeField field;
+  f64::HazePlumes& head = field.head;
+  head.scattering_per_m = puffs.empty() ? scattering_per_m : std::max(scattering_per_m, kLeastScatteringPerM);
+  head.even_share = head.scattering_per_m > 0 ? scattering_per_m / head.scattering_per_m : 1;
+  // The lattice of the noise repeats after 32 cubes.
+  head.shift_m = std::fmod(f64::kPlumeNoiseMS * (static_cast<double>(time_ns) * 1e-9), 32 * f64::kPlumeCubeM);
+  head.count = static_cast<std::uint32_t>(puffs.size());
+  for (const fixtures::PlumePuff& puff : puffs) {
+    const double volume_m3 = std::pow(2 * std::numbers::pi, 1.5) * puff.across_m * puff.across_m * puff.along_m;
+    field.puffs.push_back({.center = puff.center_m,
+                           .per_across = 1 / puff.across_m,
+                           .axis = puff.axis,
+                           .per_along = 1 / puff.along_m,
+                           .peak = puff.area_m2 / (volume_m3 * head.scattering_per_m),
+                           .plume = puff.plume,
+                           .pad_0 = 0,
+                           .pad_1 = 0});
+  }
+  return field;
+}
+
+PlumeRows plume_rows(const PlumeField& field) {
+  PlumeRows rows;
+  rows.head = {static_cast<float>(field.head.even_share), static_cast<float>(field.head.scattering_per_m),
+               static_cast<float>(field.head.shift_m), field.head.count};
+  for (const f64::HazePuff& puff : field.puffs) {
+    rows.puffs.push_back({.center = puff.center,
+                          .per_across = static_cast<float>(puff.per_across),
+                          .axis = puff.axis,
+                          .per_along = static_cast<float>(puff.per_along),
+                          .peak = static_cast<float>(puff.peak),
+                          .plume = puff.plume,
+                          .pad_0 = 0,
+                          .pad_1 = 0});
+  }
+  return rows;
 }
 
 HazeReach haze_reach(const fixtures::Rig& rig, double range_m) {

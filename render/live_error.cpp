@@ -67,6 +67,15 @@ ErrorWindow::Estimate ErrorWindow::estimate() const {
   return estimate;
 }
 
+namespace {
+
+// The general path mirrors nothing, dims nothing behind plumes and blurs nothing.
+bool measurable(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return !has_gloss(needs, settings) && !has_depth_of_field(needs, settings) && !needs.plumes;
+}
+
+}  // namespace
+
 Result<std::shared_ptr<const vk::Pipeline>> LiveError::begin_pipeline(vk::Device& device, const FrameSettings& settings,
                                                                       const fixtures::Needs& needs) {
   std::vector<vk::SpecConstant> constants = kSurfacesPass.constants(needs, settings);
@@ -77,14 +86,14 @@ Result<std::shared_ptr<const vk::Pipeline>> LiveError::begin_pipeline(vk::Device
 }
 
 void LiveError::compile_ahead(vk::Device& device, const FrameSettings& settings, const fixtures::Needs& needs) {
-  if (!has_gloss(needs, settings)) (void)begin_pipeline(device, settings, needs);  // create() fails, too
+  if (measurable(needs, settings)) (void)begin_pipeline(device, settings, needs);  // create() fails, too
 }
 
 Result<std::unique_ptr<LiveError>> LiveError::create(vk::Device& device, Frame& frame, const fixtures::Needs& needs) {
   const FrameSettings& settings = frame.settings();
   fixtures::Needs all = needs;
   if (frame.resources().rig.sheen_count > 0) all.sheen = true;  // as Frame::create() does
-  if (has_gloss(needs, settings)) return std::unique_ptr<LiveError>();
+  if (!measurable(needs, settings)) return std::unique_ptr<LiveError>();
   std::unique_ptr<LiveError> live(new LiveError(device));
   live->cells_ = device.is_software() ? kCellsOfCpu : kCells;
   FL_ASSIGN(live->pipeline_, begin_pipeline(device, settings, all));

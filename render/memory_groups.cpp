@@ -67,7 +67,9 @@ std::uint64_t add_picture(const PictureImages& picture, Groups& groups) {
   known += groups.add("lasers by tile", {&picture.laser_masks, &picture.laser_strips, &picture.laser_lists});
   known += groups.add("displays by tile", {&picture.display_tiles, &picture.display_records});
   known += groups.add("shadows by tile", {&picture.shadow_words, &picture.shadow_picks, &picture.shade_words});
-  known += groups.add("smooth edges", {&picture.edge_masks, &picture.edge_ids, &picture.edge_samples}, {&picture.edges});
+  known += groups.add("smooth edges", {&picture.edge_masks, &picture.edge_ids, &picture.edge_samples},
+                      {&picture.edges});
+  known += groups.add("depth of field", {&picture.blurs}, {&picture.blurred});
   known += groups.add("glare", {}, {&picture.glare});
   known += groups.add("mirrored light", {}, {&picture.mirror});
   return known;

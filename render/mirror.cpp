@@ -62,6 +62,7 @@ FrameSettings mirror_settings(const FrameSettings& settings) {
   mirror.triangles = TriangleMethod::kRasteriser;
   mirror.edge_samples = 0;
   mirror.glare = 0;
+  mirror.f_stop = 0;
   return mirror;
 }
 

@@ -65,10 +65,12 @@ struct PassEntry {
 [[nodiscard]] inline bool has_air(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.fixtures && needs.haze && settings.view != FrameView::kLux;
 }
+// Whether a table has the haze that rays pass through: clouds of it, or plumes of machines.
+[[nodiscard]] inline bool uneven_haze(const fixtures::Needs& needs) { return needs.haze_field || needs.plumes; }
 // Whether haze is not even.
 [[nodiscard]] inline bool has_haze_field(const fixtures::Needs& needs, const FrameSettings& settings) {
   const bool others = (needs.panes || needs.displays) && needs.haze && settings.view == FrameView::kPicture;
-  return (has_air(needs, settings) || others) && needs.haze_field;
+  return (has_air(needs, settings) || others) && uneven_haze(needs);
 }
 // Whether triangles are drawn by compute shaders. Before Frame::suited() has chosen: they may be.
 [[nodiscard]] inline bool has_computed_triangles(const fixtures::Needs& needs, const FrameSettings& settings) {
@@ -119,7 +121,7 @@ struct PassEntry {
   return has_shafts(needs, settings) && needs.haze && settings.view != FrameView::kLux;
 }
 // Whether light of the sun in the air is read from sums along lines of the glass; in clouds of haze it is not.
-[[nodiscard]] inline bool has_pane_sums(const fixtures::Needs& needs) { return needs.haze && !needs.haze_field; }
+[[nodiscard]] inline bool has_pane_sums(const fixtures::Needs& needs) { return needs.haze && !uneven_haze(needs); }
 // Whether anything hides light of the sun.
 [[nodiscard]] inline bool has_shafts_shadowed(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shafts(needs, settings) && settings.shadows && has_solids(needs, settings);
@@ -181,6 +183,10 @@ struct PassEntry {
   return needs.sheen && has_solids(needs, settings);
 }
 // Whether the camera's lens scatters light.
+[[nodiscard]] inline bool has_depth_of_field(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return settings.f_stop > 0 && settings.view == FrameView::kPicture &&
+         has_solids(needs, settings);  // other light has no distance
+}
 [[nodiscard]] inline bool has_glare(const fixtures::Needs& needs, const FrameSettings& settings) {
   return settings.glare > 0 && settings.view == FrameView::kPicture &&
          (has_air(needs, settings) || needs.panes || needs.displays || has_solids(needs, settings));

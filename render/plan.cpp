@@ -1,6 +1,7 @@
 #include "render/plan.h"
 
 #include "render/passes/beams.h"
+#include "render/passes/blur.h"
 #include "render/passes/bodies.h"
 #include "render/passes/bounce.h"
 #include "render/passes/coarse.h"
@@ -57,6 +58,7 @@ const PassEntry* const kPasses[] = {
     &kEdgesPass,     // solid things -> radiance of pixels that show more than one
     &kStripsPass,    // displays that are thin in the picture -> radiance
     &kLensesPass,    // lenses of a few pixels -> radiance
+    &kBlurPass,      // radiance, distance -> radiance as a lens shows it that is focused on one distance
     &kGlarePass,     // radiance -> light that the camera's lens scatters
     &kTonemapPass,   // radiance, scattered light -> screen
 };
@@ -131,6 +133,7 @@ fixtures::Needs drawn_needs(const fixtures::Needs& needs, const fixtures::Haze& 
   if (settings.haze) return drawn;
   drawn.haze = false;
   drawn.haze_field = false;
+  drawn.plumes = false;
   drawn.extinction = needs.extinction && haze.absorption_per_m > 0;
   return drawn;
 }

@@ -172,7 +172,19 @@ std::uint32_t lavapipe_beams_max(const MemoryShape& shape) {
 // A ray through the light of a display nearby takes some 2,400 rounds.
 constexpr std::size_t kLavapipeDisplays = 24;
 
-constexpr std::uint64_t kHazeTableBytes = std::uint64_t{8} * FL_HAZE_X * FL_HAZE_Y * FL_HAZE_SLICES;
+std::uint64_t blur_tile_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  const auto tiles = [](int size_px) { return static_cast<std::uint64_t>((size_px + FL_TILE_PX - 1) / FL_TILE_PX); };
+  return has_depth_of_field(needs, settings) ? tiles(settings.width) * tiles(settings.height) * sizeof(float) : 0;
+}
+
+std::uint64_t haze_bytes(const fixtures::Needs& needs) {
+  const std::uint64_t plumes = sizeof(f32::HazePlumes) + FL_PUFFS_MAX * sizeof(f32::HazePuff);
+  return uneven_haze(needs) ? sizeof(f32::HazeField) + (needs.plumes ? plumes : 0) : 0;
+}
+std::uint64_t haze_table_bytes(const fixtures::Needs& needs) {
+  const std::uint64_t texel = needs.plumes ? 16 : 8;
+  return uneven_haze(needs) ? texel * FL_HAZE_X * FL_HAZE_Y * FL_HAZE_SLICES : 0;
+}
 
 // Words of a supertile's mask. They come in pairs, as one group of the tile pass writes them.
 std::uint32_t mask_words_of(const CompiledRig& compiled) {
@@ -456,8 +468,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_DISPLAY_LEVELS:
     case FL_BINDING_DISPLAY_CELLS:
     case FL_BINDING_DISPLAY_JOBS: return display_bytes(binding, shape);
-    case FL_BINDING_HAZE: return shape.needs.haze_field ? sizeof(f32::HazeField) : 0;
-    case FL_BINDING_HAZE_TABLE_OUT: return shape.needs.haze_field ? kHazeTableBytes : 0;
+    case FL_BINDING_HAZE: return haze_bytes(shape.needs);
+    case FL_BINDING_HAZE_TABLE_OUT: return haze_table_bytes(shape.needs);
     case FL_BINDING_BOXES: return shape.rig.boxes.size() * sizeof(BoxRow);
     case FL_BINDING_GOBOS: return gobo_bytes(shape);
     case FL_BINDING_GOBO_TABLES: return largest_gobo_tables(shape).rows.size() * sizeof(GoboTableRow);
@@ -509,6 +521,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_SHEENS: return shape.needs.sheen ? FL_SHEENS_MAX * sizeof(SheenRow) : 0;
     case FL_BINDING_GLOSS: return gloss_rows(shape.rig).size() * sizeof(GlossRow);
     case FL_BINDING_MIRROR: return mirror_bytes(shape);
+    case FL_BINDING_BLURRED: return has_depth_of_field(shape.needs, settings) ? pixels * 16 : 0;
+    case FL_BINDING_BLURS: return blur_tile_bytes(shape.needs, settings);
     case FL_BINDING_GLARE: return has_glare(shape.needs, settings) ? glare_shape(settings).bytes() : 0;
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
     case FL_BINDING_DEPTH: return (has_computed_triangles(shape.needs, settings) ? 1 : solid_pixels) * 4;
@@ -581,8 +595,9 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   }
   if (used[FL_BINDING_HAZE]) {
     FL_ASSIGN(r.haze, zeroed(device, binding_bytes(FL_BINDING_HAZE, shape)));
-    const std::uint32_t slices = shape.needs.haze_field ? FL_HAZE_SLICES : 0;
-    FL_ASSIGN(r.haze_table, table_image(device, FL_HAZE_X, FL_HAZE_Y, slices, VK_FORMAT_R32G32_SFLOAT));
+    const std::uint32_t slices = uneven_haze(shape.needs) ? FL_HAZE_SLICES : 0;
+    const VkFormat format = shape.needs.plumes ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
+    FL_ASSIGN(r.haze_table, table_image(device, FL_HAZE_X, FL_HAZE_Y, slices, format));
     FL_TRY(device.run_once([&](VkCommandBuffer commands) {
       vk::change_layout(commands, r.haze_table, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     }));
@@ -704,6 +719,11 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   FL_ASSIGN(p.edge_masks, zeroed(device, edge_mask_bytes(needs, settings)));
   FL_ASSIGN(p.edges, vk::Image::create(device, edges ? width : 1, edges ? height : 1, VK_FORMAT_R32G32B32A32_SFLOAT,
                                        VK_IMAGE_USAGE_STORAGE_BIT));
+  FL_ASSIGN(p.blurs, zeroed(device, blur_tile_bytes(needs, settings)));
+  if (has_depth_of_field(needs, settings)) {
+    FL_ASSIGN(p.blurred, vk::Image::create(device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                           VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT));
+  }
   if (has_glare(needs, settings)) {
     FL_ASSIGN(p.glare, make_glare_image(device, glare_shape(settings)));
   }
@@ -718,6 +738,9 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   FL_TRY(device.run_once([&](VkCommandBuffer commands) {
     for (const vk::Image* image : {&p.surface_id, &p.depth, &p.edges, &p.radiance, &p.screen}) {
       vk::change_layout(commands, *image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+    }
+    if (p.blurred.handle != VK_NULL_HANDLE) {
+      vk::change_layout(commands, p.blurred, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     }
     const VkClearColorValue black{{0, 0, 0, 1}};  // opaque: what a picture without a pass shows
     const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
@@ -759,6 +782,7 @@ void Resources::bind_all() {
   bind(FL_BINDING_EDGE_MASKS, picture.edge_masks);
   bind(FL_BINDING_EDGE_IDS, picture.edge_ids);
   bind(FL_BINDING_EDGE_SAMPLES, picture.edge_samples);
+  bind(FL_BINDING_BLURS, picture.blurs);
   if (rig.gobos.handle != VK_NULL_HANDLE) {
     bindings.set_image(FL_BINDING_GOBOS, rig.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }
@@ -778,12 +802,14 @@ void Resources::bind_all() {
   bindings.set_image(FL_BINDING_DEPTH, picture.depth);
   bindings.set_image(FL_BINDING_EDGES, picture.edges);
   bindings.set_image(FL_BINDING_RADIANCE, picture.radiance);
+  if (picture.blurred.handle != VK_NULL_HANDLE) bindings.set_image(FL_BINDING_BLURRED, picture.blurred);
   if (picture.glare.handle != VK_NULL_HANDLE) bindings.set_image(FL_BINDING_GLARE, picture.glare);
   if (picture.mirror.handle != VK_NULL_HANDLE) bindings.set_image(FL_BINDING_MIRROR, picture.mirror);
   bindings.set_image(FL_BINDING_SCREEN, picture.screen);
   for (const vk::Image* image :
        {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &rig.haze_table, &picture.surface_id,
-        &picture.depth, &picture.edges, &picture.glare, &picture.mirror, &picture.radiance, &picture.screen}) {
+        &picture.depth, &picture.edges, &picture.blurred, &picture.glare, &picture.mirror, &picture.radiance,
+        &picture.screen}) {
     total_bytes += image->size_bytes;
   }
   for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &rig.haze_table}) {

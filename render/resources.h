@@ -181,6 +181,8 @@ struct PictureImages {
   vk::Buffer edge_samples;              // FrameSettings::edge_samples a pixel of edge_rows(); likewise
   vk::Buffer edge_masks;                // FL_EDGE_WORDS a tile; likewise
   vk::Image edges;                      // colours of pixels with edges; likewise
+  vk::Image blurred;                    // by depth of field; none without it
+  vk::Buffer blurs;                     // of each tile
   vk::Image glare;                      // GlareShape (render/glare.h); none without glare
   vk::Image mirror;                     // MirrorShape (render/mirror.h); none where nothing mirrors
   vk::Image surface_id, depth, radiance, screen;

@@ -105,6 +105,9 @@ struct FrameSettings {
   // that temperature is shown as white, 1,500 to 20,000 K; 0: as it is, so that white is D65.
   double white_k = 0;
   ToneCurve tone = ToneCurve::kAgx;
+  // Depth of field (Camera::f_stop, focus_m); f_stop 0: all is sharp. Of the picture's own light, so read back with it.
+  double f_stop = 0;
+  double focus_m = 10;
   bool auto_exposure = false;  // Frame::record() then takes its exposure from the picture
   FrameView view = FrameView::kPicture;
   int supersample = 1;  // pixels a side of one pixel of the screen; the size is that of the radiance

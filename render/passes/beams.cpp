@@ -15,7 +15,7 @@ const PassEntry kBeamsPass{
     "beams",
     has_air,
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return std::vector<vk::SpecConstant>{
+      std::vector<vk::SpecConstant> constants = {
           {FL_SPEC_GOBO, needs.gobo},
           {FL_SPEC_EXTINCTION, needs.extinction},
           {FL_SPEC_PROFILE, needs.profile},
@@ -35,11 +35,13 @@ const PassEntry kBeamsPass{
           {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
           {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
           {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
-          {FL_SPEC_HAZE, needs.haze_field},
+          {FL_SPEC_HAZE, uneven_haze(needs)},
           {FL_SPEC_GLOSS, has_gloss(needs, settings)},
           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)},
           {FL_SPEC_GOBO_METHOD,
            settings.gobo_method == GoboMethod::kSuited ? FL_GOBO_TABLES : static_cast<uint>(settings.gobo_method)}};
+      if (needs.plumes) constants.push_back({FL_SPEC_PLUMES, 1});
+      return constants;
     },
     [](const PassContext& context) {
       const bool haze = has_constant(context, FL_SPEC_HAZE);

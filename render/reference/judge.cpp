@@ -14,11 +14,11 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
 #include "fixtures/photometry/table.h"
-#include "render/haze.h"
 #include "render/reference/cores.h"
 #include "render/reference/display_judge.h"
 #include "render/reference/gloss_judge.h"
 #include "render/reference/mirror_judge.h"
+#include "render/reference/plume_judge.h"
 #include "render/reference/shaft_judge.h"
 #include "render/reference/wide.h"
 #include "sim/core/check.h"
@@ -469,6 +469,7 @@ struct Air {
   const fixtures::Haze& haze;
   const HazeDensity& density;
   bool even_extinction;
+  const PlumeField* plumes = nullptr;
   std::span<const glm::dvec2> lens = {};  // points of it that cast shadows; none: paths of the model do
 };
 double inscatter(const JudgeBeam& beam, const Air& air, const Ray& ray, double t_min_m, double t_max_m,
@@ -497,8 +498,8 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     const double t_max_m = visible_air_m(scene, hit);
     for (const JudgeBeam& beam : scene.beams) {
       const glm::dvec3 share = in_colors(beam, [&](const GoboTransmission& gobo) {
-        return inscatter(beam, {scene.haze, scene.density, scene.even_extinction, scene.lens}, ray, 0, t_max_m, gobo,
-                         tolerance, refinement, scene.solids);
+        return inscatter(beam, {scene.haze, scene.density, scene.even_extinction, &scene.plumes, scene.lens}, ray,
+                         0, t_max_m, gobo, tolerance, refinement, scene.solids);
       });
       if (share.x + share.y + share.z > 0) *hits += 1;
       total += scene.haze.scattering_per_m * share * beam.strength_lm;
@@ -536,7 +537,7 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
                 return radiance(scene, {point_m, direction}, tolerance, refinement, &others);
               });
     }
-    total += std::exp(-extinction_per_m(scene.haze) * hit->t_m) * light;
+    total += std::exp(-extinction_per_m(scene.haze) * hit->t_m - plume_depth(scene.plumes, ray, hit->t_m)) * light;
   }
   return total;
 }
@@ -600,6 +601,7 @@ double inscatter(const JudgeBeam& beam, const Air& air, const Ray& ray, double t
       depth = optical_depth(air, ray.origin_m, place_m) +
               optical_depth(air, place_m - at.distance_m * at.direction, place_m);
     }
+    if (air.even_extinction && air.plumes != nullptr) depth += plume_depth(*air.plumes, ray, base_m + t_m);
     return light * air.density(place_m) * std::exp(-depth);
   };
 
@@ -875,7 +877,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
 double judge_inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m,
                        double t_max_m, const GoboTransmission& gobo, double tolerance,
                        std::span<const JudgeSolid> solids, std::span<const glm::dvec2> lens) {
-  return inscatter(beam, {haze, kEven, true, lens}, ray, t_min_m, t_max_m, gobo, tolerance, 1, solids);
+  return inscatter(beam, {haze, kEven, true, nullptr, lens}, ray, t_min_m, t_max_m, gobo, tolerance, 1, solids);
 }
 
 std::vector<glm::dvec2> judge_lens(int count) {

@@ -21,6 +21,7 @@
 #include "fixtures/model/gloss.h"
 #include "fixtures/model/rig.h"
 #include "fixtures/simulate/walker.h"
+#include "render/haze.h"
 #include "render/image.h"
 
 namespace footlight::render {
@@ -118,6 +119,7 @@ struct JudgeScene {
   HazeDensity density;          // empty: haze is even
   bool even_extinction = true;  // light is lost as in even haze; false: to the density on its way, 1000 times slower;
                                 // light of the sun is lost as in even haze in both
+  PlumeField plumes;            // of machines, part of `density` (plume_judge.h); light is lost in them to the eye
   double ambient_lx = 0;
   double range_m = 100;   // no air further away than this from the camera is drawn
   GoboTransmission gobo;  // empty: every gobo is open

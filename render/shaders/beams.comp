@@ -264,10 +264,10 @@ void main() {
   [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
     ivec2 pixel = tile_pixel(i);
     if (!in_picture(pixel)) continue;
-    vec3 behind = kBoxes || kBodies || kTiles ? imageLoad(radiance, pixel).rgb : vec3(0.0);
-    vec3 light = behind + light_scale() * total[i];
+    vec4 behind = kBoxes || kBodies || kTiles ? imageLoad(radiance, pixel) : vec4(0.0, 0.0, 0.0, 1.0);
+    vec3 light = behind.rgb + light_scale() * total[i];
     // What is subtracted may be more than what was added, by their errors.
     if (kShadows && kTiles) light = max(light, vec3(0.0));
-    imageStore(radiance, pixel, vec4(light, 1.0));
+    imageStore(radiance, pixel, vec4(light, behind.a));  // the distance stays for depth of field
   }
 }

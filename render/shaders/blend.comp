@@ -4,7 +4,7 @@
 #include "render/shaders/lib/frame.glsl"
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / 4) in;
-layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform writeonly image2D radiance;
+layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 layout(set = 0, binding = FL_BINDING_EDGES, rgba32f) uniform readonly image2D edges;
 layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) readonly buffer EdgeMasksBuffer { uint edge_masks[]; };
 
@@ -18,6 +18,6 @@ void main() {
   for (; bits != 0u; bits &= bits - 1u) {
     uint bit = uint(findLSB(bits));  // 0 and 16: of the first word, 1 and 17: of the second
     ivec2 pixel = ivec2(first + uvec2(0u, (bit & 1u) * 2u + (bit >> 4)));
-    imageStore(radiance, pixel, imageLoad(edges, pixel));
+    imageStore(radiance, pixel, vec4(imageLoad(edges, pixel).rgb, imageLoad(radiance, pixel).a));
   }
 }

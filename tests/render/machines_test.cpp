@@ -19,6 +19,7 @@ constexpr std::int64_t kSecondNs = 1'000'000'000;
 Scene hazed_scene(bool with_hazer) {
   Scene scene = lamps_scene(12, 10);
   scene.rig.haze = {0, 0, 0.4, 30};
+  scene.rig.room.plumes = false;
   if (with_hazer) {
     fixtures::FixtureType type;
     type.id = "test/hazer";

@@ -18,7 +18,8 @@ using vk::SpecConstant;
 const std::vector<std::string> kAll{"step",   "gather",   "mirrors", "shadows", "gobos",       "bodies", "tiles",
                                     "bounce", "surfaces", "gloss",   "depths",  "shadowtiles", "haze",   "coarse",
                                     "records", "fine",    "shade",   "beams",       "lasers", "shafts",
-                                    "displays", "edges",  "strips",  "lenses",      "glare",  "tonemap"};
+                                    "displays", "edges",  "strips",  "lenses",      "blur",   "glare",
+                                    "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"coarse", "records", "fine", "shade"};
 
@@ -66,6 +67,7 @@ Needs demo_needs() {
 FrameSettings every_setting() {
   FrameSettings settings;
   settings.bounce = true;
+  settings.f_stop = 2;
   return settings;
 }
 
@@ -249,6 +251,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_EDGE_SAMPLES, 16}}},
                               {"strips", {{FL_SPEC_EXTINCTION, 1}, {FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}}},
                               {"lenses", constants_of(plan_frame(demo_needs(), settings), "surfaces")},
+                              {"blur", {}},
                               {"glare", {}},
                               {"tonemap", {{FL_SPEC_TONE, FL_TONE_AGX}, {FL_SPEC_WHITE, 0}, {FL_SPEC_METER, 0}}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());
@@ -371,6 +374,45 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   CHECK(names_of(plan_frame(needs, settings)) ==
         std::vector<std::string>{"step", "gather", "mirrors", "shafts", "displays", "strips", "glare", "tonemap"});
   check_left_out(needs, settings);
+}
+
+TEST_CASE("plumes alone bring the table of haze and the shaders that read it, and no other pass") {
+  Needs needs = demo_needs();
+  needs.haze_field = false;
+  const std::vector<PassPlan> even = plan_frame(needs, {});
+  needs.plumes = true;
+  const std::vector<PassPlan> plumes = plan_frame(needs, {});
+  needs.plumes = false;
+  needs.haze_field = true;
+  std::vector<PassPlan> clouds = plan_frame(needs, {});
+  CHECK(names_of(plumes) == names_of(clouds));
+  CHECK(names_of(even) != names_of(clouds));
+  const auto apart = [](std::vector<PassPlan> plan) {
+    for (PassPlan& pass : plan) {
+      std::erase_if(pass.constants, [](const SpecConstant& one) { return one.id == FL_SPEC_PLUMES; });
+    }
+    return plan;
+  };
+  CHECK(apart(plumes) == apart(clouds));
+  CHECK(constants_of(plumes, "haze") == std::vector<SpecConstant>{{FL_SPEC_PLUMES, 1}});
+}
+
+TEST_CASE("depth of field is a pass only where it is asked for and something solid is seen") {
+  Needs needs = demo_needs();
+  FrameSettings settings;
+  const auto has_blur = [&] {
+    const auto names = names_of(plan_frame(needs, settings));
+    return std::find(names.begin(), names.end(), "blur") != names.end();
+  };
+  CHECK_FALSE(has_blur());
+  settings.f_stop = 4;
+  CHECK(has_blur());
+  settings.view = FrameView::kLux;
+  CHECK_FALSE(has_blur());
+  settings.view = FrameView::kPicture;
+  settings.bodies = false;
+  needs.surfaces = false;
+  CHECK_FALSE(has_blur());
 }
 
 TEST_CASE("an empty rig needs no pass at all") {

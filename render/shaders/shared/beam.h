@@ -450,10 +450,47 @@ FL_FN Real wide_share(WideChord wide, Chord chord, Real x, FL_OUT(Real) weight) 
 // Gauss-Legendre nodes on [0, 1] and weights that sum to 1, for n = 1 to 8 nodes.
 FL_FN uint gauss_index(uint n, uint i) { return n * (n - uint(1)) / uint(2) + i; }
 
+#ifdef FL_HAZE_FIELD
+// The beam integral where plumes are: their densities change within the piece of a node. Light, which is smooth, is the
+// polynomial through n + 2 nodes; the mean density is read for each of kPlumePieces pieces. Its mean has the weights of
+// Gauss, so that even haze is as exact as without plumes.
+FL_CONST uint kPlumePieces = uint(12);
+FL_FN Real chord_inscatter_plumes(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint few, bool with_extinction) {
+  uint n = min(few + uint(2), uint(8));
+  HazePieces haze = haze_pieces(chord);
+  Real densities[kPlumePieces];
+  Real mean = Real(0);
+  for (uint j = uint(0); j < kPlumePieces; ++j) {
+    densities[j] = haze_piece(haze, chord, Real(j + uint(1)) / Real(kPlumePieces));
+    mean += densities[j] / Real(kPlumePieces);
+  }
+  Real total = Real(0);
+  for (uint i = uint(0); i < n; ++i) {
+    Real node = kGaussNode[gauss_index(n, i)];
+    Real weight = mean * kGaussWeight[gauss_index(n, i)];
+    for (uint j = uint(0); j < kPlumePieces; ++j) {
+      Real x = (Real(j) + Real(0.5)) / Real(kPlumePieces);
+      Real part = (densities[j] - mean) / Real(kPlumePieces);
+      for (uint k = uint(0); k < n; ++k) {
+        Real other = kGaussNode[gauss_index(n, k)];
+        if (k != i) part *= (x - other) / (node - other);
+      }
+      weight += part;
+    }
+    Real s;
+    Real t_m;
+    chord_point(chord, node, s, t_m);
+    total += weight * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
+  }
+  return total * chord_measure(chord);
+}
+#endif
+
 // Projective beam integral with n Gauss nodes: in-scattered light over sigma_s J0, 1/m.
 FL_FN Real chord_inscatter_gauss(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction) {
   Real total = Real(0);
 #ifdef FL_HAZE_FIELD
+  if (kPlumes) return chord_inscatter_plumes(beam, medium, chord, d, n, with_extinction);
   HazePieces haze = haze_pieces(chord);
   Real end = Real(0);
 #endif

@@ -155,7 +155,10 @@
 #define FL_BINDING_DRAW_BLOCKS (114 + FL_LAMP_COUNT)  // DrawBlocksHead, then DrawBlockRow, FL_BLOCKS_MAX
 #define FL_BINDING_BODY_SPACES (115 + FL_LAMP_COUNT)  // BodySpaceRow, one a body
 #define FL_BINDING_BODY_ROUNDS (116 + FL_LAMP_COUNT)  // BodyRoundsHead, then BodyRoundRow
-#define FL_BINDING_COUNT (117 + FL_LAMP_COUNT)
+// Depth of field: the blurred picture; the widest blur of each FL_TILE_PX x FL_TILE_PX pixels, in pixels, as floats.
+#define FL_BINDING_BLURRED (117 + FL_LAMP_COUNT)
+#define FL_BINDING_BLURS (118 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (119 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -212,7 +215,8 @@
 #define FL_SPEC_GLOSS (49 + FL_LAMP_COUNT)  // there are floors that mirror
 #define FL_SPEC_PENUMBRA (50 + FL_LAMP_COUNT)  // points of a lens from which shadows are cast: 1, 4 or 7
 #define FL_SPEC_SHEEN (51 + FL_LAMP_COUNT)  // there are surfaces with sheen
-#define FL_SPEC_COUNT (52 + FL_LAMP_COUNT)
+#define FL_SPEC_PLUMES (52 + FL_LAMP_COUNT)  // machines have plumes: selects another shader
+#define FL_SPEC_COUNT (53 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -296,6 +300,8 @@
 #define FL_HAZE_X 160
 #define FL_HAZE_Y 90
 #define FL_HAZE_SLICES 160
+#define FL_PUFFS_MAX 160   // of plumes of haze: 16 plumes of 10
+#define FL_BLUR_PX_MAX 32  // radius of what a point becomes by depth of field
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
 // Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the
 // outermost node is at cos(pi / 8) = 0.924 of the square, the outermost centre at 63 / 64 of the rectangle.

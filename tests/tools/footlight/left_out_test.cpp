@@ -98,10 +98,12 @@ TEST_CASE("without runs nothing is timed, and the bytes are the same") {
     CHECK(!row.times);
     if (row.pass) passes.insert(row.name);
   }
-  // Nothing has a gobo, haze is even, there is no laser, sun or display, and judged pictures have no reflected light.
-  CHECK(passes ==
-        std::set<std::string>{"gobos", "gloss", "haze", "lasers", "mirrors", "shafts", "displays", "strips", "bounce"});
+  // Nothing has a gobo, haze is even, there is no laser, sun or display, judged pictures have no reflected light, and
+  // no depth of field is asked for.
+  CHECK(passes == std::set<std::string>{"gobos", "gloss", "haze", "lasers", "mirrors", "shafts", "displays", "strips",
+                                        "bounce", "blur"});
   CHECK(row_of(rows, "gobo", false).bytes > 0);
+  CHECK(row_of(rows, "plumes", false).bytes > row_of(rows, "clouds", false).bytes);
   CHECK((text_of(rows, "beams").find("not timed") != std::string::npos));
 
   // The same without a device.

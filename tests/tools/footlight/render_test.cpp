@@ -136,6 +136,9 @@ TEST_CASE("the camera's words are stated in the file, and wrong ones are refused
                                                          "--tone film: expected agx, filmic, reinhard or linear"},
         {{"--white-balance", "warm"}, "--white-balance warm: expected off or 1500K to 20000K"},
         {{"--white-balance", "320K"}, "--white-balance 320K: expected off or 1500K to 20000K"},
+        {{"--f-stop", "0.1"}, "--f-stop 0.1: expected camera, off or 0.5 to 64"},
+        {{"--f-stop", "wide"}, "--f-stop wide: expected camera, off or 0.5 to 64"},
+        {{"--plumes", "some"}, "--plumes some: expected on or off"},
         {{"--auto-exposure", "--ev", "3"}, "each sets the exposure; leave out one of them"}}) {
     const Outcome refused = render(words, "none.png");
     CHECK(refused.exit_code == 2);

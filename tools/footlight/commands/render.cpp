@@ -447,6 +447,7 @@ Result<int> render_pictures(const Options& options) {
   FL_TRY(take_penumbra(options.penumbra, settings));
   FL_ASSIGN(settings.bounce, parse_bounce(options.bounce));
   FL_TRY(take_camera_words(options.camera_words, settings));
+  FL_TRY(take_lens(options.camera_words, camera, settings));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
   settings.gate_builds = FL_GATES_MAX;  // a picture may wait for all of them
   // Samples need no images of gates.

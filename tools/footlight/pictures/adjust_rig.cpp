@@ -4,6 +4,7 @@
 #include "fixtures/model/lamp.h"
 #include "fixtures/model/smoothing.h"
 #include "tools/footlight/pictures/scene_files.h"
+#include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
 
@@ -15,6 +16,10 @@ Status adjust_scene_rig(fixtures::Rig& rig, const SceneFiles& files) {
     rig.haze.noise = *files.haze_noise;
     if (rig.haze.wind_m_s == glm::dvec3(0)) rig.haze.wind_m_s = kDraught;
   }
+  if (!files.plumes.empty() && files.plumes != "on" && files.plumes != "off") {
+    return fail(ErrorCode::kBadInput, "--plumes {}: expected on or off", printable_utf8(files.plumes));
+  }
+  if (!files.plumes.empty()) rig.room.plumes = files.plumes == "on";
   rig.room.volume_m3 = files.volume_m3.value_or(rig.room.volume_m3);
   if (!files.smooth.empty()) {
     FL_ASSIGN(const auto smoothing, fixtures::parse_smoothing(files.smooth));

@@ -1,5 +1,6 @@
 #include "tools/footlight/pictures/frame_options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <iterator>
@@ -111,9 +112,33 @@ void add_camera_arguments(Arguments& arguments, CameraWords& words) {
                    "light of this colour temperature is shown as white, as in 3200K or 5600K; off: daylight of 6500 K "
                    "is [off]");
   arguments.option("--tone", words.tone, "WORD", "tone curve: " + tone_words() + " [agx]");
+  arguments.option("--f-stop", words.f_stop, "N",
+                   "depth of field: focal length over aperture, as in 2.8, of a lens before a sensor 24 mm high; off: "
+                   "all is sharp; camera: as the rig's camera says [camera]");
+  arguments.option("--focus", words.focus_m, fixtures::kFocusMinM, 1e5,
+                   "metres from the camera to what is sharp with --f-stop; default: the camera's own");
   arguments.flag("--auto-exposure", words.auto_exposure,
                  "the exposure follows the light (time constant 1 s): 1 % of the pixels are brighter than 1.2 x 2^EV "
                  "cd/m2");
+}
+
+Status take_lens(const CameraWords& words, const fixtures::Camera& camera, render::FrameSettings& settings) {
+  settings.f_stop = camera.f_stop;
+  if (words.f_stop == "off") {
+    settings.f_stop = 0;
+  } else if (words.f_stop != "camera") {
+    const char* const end = words.f_stop.data() + words.f_stop.size();
+    const auto [read, error] = std::from_chars(words.f_stop.data(), end, settings.f_stop);
+    if (error != std::errc{} || read != end || !(settings.f_stop >= fixtures::kFStopMin) ||
+        !(settings.f_stop <= fixtures::kFStopMax)) {
+      return fail(ErrorCode::kBadInput, "--f-stop {}: expected camera, off or {} to {}, as in 2.8",
+                  printable_utf8(words.f_stop), fixtures::kFStopMin, fixtures::kFStopMax);
+    }
+  }
+  const double target_m = glm::distance(camera.position_m, camera.target_m);
+  settings.focus_m = std::max(words.focus_m.value_or(camera.focus_m > 0 ? camera.focus_m : target_m),
+                              fixtures::kFocusMinM);
+  return {};
 }
 
 Status take_camera_words(const CameraWords& words, render::FrameSettings& settings) {

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "fixtures/model/rig.h"
 #include "render/settings.h"
 #include "sim/core/result.h"
 #include "tools/footlight/command.h"
@@ -42,8 +44,12 @@ struct CameraWords {
   std::string white_balance = "off";
   std::string tone = "agx";
   bool auto_exposure = false;
+  std::string f_stop = "camera";
+  std::optional<double> focus_m;
 };
 void add_camera_arguments(Arguments& arguments, CameraWords& words);
 Status take_camera_words(const CameraWords& words, render::FrameSettings& settings);
+// Depth of field of the words, or else of the camera. kBadInput for a word that is no f-stop.
+Status take_lens(const CameraWords& words, const fixtures::Camera& camera, render::FrameSettings& settings);
 
 }  // namespace footlight::tools

@@ -26,6 +26,9 @@ void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
   arguments.option("--haze-noise", files.haze_noise, 0, 1,
                    "clouds of haze: how far its density is from the even one; with a slow draught where the rig has no "
                    "wind; 0: no clouds; default: as in the rig, or 0");
+  arguments.option("--plumes", files.plumes, "WORD",
+                   "haze that is seen in front of machines before it has mixed: on or off; default: as in the rig, or "
+                   "on");
   arguments.option("--room", files.volume_m3, 1, 1e7,
                    "m^3 that haze and fog machines fill; default: as in the rig, or 1000");
 }

@@ -20,13 +20,14 @@ struct SceneFiles {
   std::string dimmer_law;            // of all fixtures; empty: as in the rig
   std::optional<double> haze_noise;  // clouds of haze; default: as in the rig
   std::optional<double> haze_per_m;  // scattering of the room's own haze; default: as in the rig
+  std::string plumes;                // "on" or "off"; empty: as in the rig
   std::optional<double> volume_m3;   // of the room that machines fill; default: as in the rig
 };
 
 // Adds the rig, as the first word or --rig; --log, --demo and the options that change the rig.
 void add_scene_arguments(Arguments& arguments, SceneFiles& files);
 
-// Applies --vrsl-compat, --smooth, --dimmer-law, --haze, --haze-noise and --room to a rig.
+// Applies --vrsl-compat, --smooth, --dimmer-law, --haze, --haze-noise, --plumes and --room to a rig.
 [[nodiscard]] Status adjust_scene_rig(fixtures::Rig& rig, const SceneFiles& files);
 // Loads the rig; kBadInput if neither a file nor --demo is given.
 [[nodiscard]] Result<fixtures::Rig> load_scene_rig(const SceneFiles& files);

@@ -9,6 +9,7 @@
 #include "render/quality.h"
 #include "sim/core/clock.h"
 #include "tools/footlight/pictures/flash_mode.h"
+#include "tools/footlight/pictures/frame_options.h"
 #include "tools/footlight/pictures/scene_files.h"
 #include "tools/footlight/preview/window_settings.h"
 
@@ -46,6 +47,7 @@ struct PreviewOptions {
   std::optional<std::uint32_t> edge_samples;  // default: render::suited_edge_samples()
   bool bounce = true;
   render::FrameSettings display;  // of which glare, white balance, tone curve, automatic exposure, and shadows
+  CameraWords camera_words;  // of which depth of field, that of the first camera where they name none
   FlashMode flashes = FlashMode::kWarn;
   bool recover = false;  // opens the newest edits of the rig that a session lost
   bool json = false;

@@ -85,6 +85,7 @@ Status Preview::open_device() {
 }
 
 Status Preview::set_controls(const fixtures::Camera& camera) {
+  FL_TRY(take_lens(options_.camera_words, camera, lens_));
   desk_ = std::make_unique<UiDesk>(framed_->rig, framed_->compiled);
   start_edits();
   open_markers();

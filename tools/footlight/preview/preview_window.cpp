@@ -413,6 +413,8 @@ render::FrameSettings Preview::frame_settings(const PixelRect& where, bool rough
   settings.shadow_map_px = options_.display.shadow_map_px;
   settings.penumbra = options_.display.penumbra;
   settings.bounce = options_.bounce;
+  settings.f_stop = lens_.f_stop;
+  settings.focus_m = lens_.focus_m;
   take_display(controls_, settings);
   settings.haze = controls_.haze;
   return rough ? render::rough_settings(settings, framed_->compiled.beams_max) : settings;

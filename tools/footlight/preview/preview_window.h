@@ -311,6 +311,7 @@ class Preview {
   }
 
   const PreviewOptions& options_;
+  render::FrameSettings lens_;  // of which depth of field
   SystemClock clock_;
   PortOpener opener_;
   std::mutex opener_mutex_;              // outputs are opened on threads of their own

@@ -13,6 +13,7 @@
 #include "render/pass.h"
 #include "render/reference/norms.h"
 #include "render/reference/pixel_sample.h"
+#include "render/reference/plume_judge.h"
 #include "render/rivals/rivals.h"
 
 namespace footlight::tools {
@@ -29,6 +30,7 @@ using namespace render;
 Result<std::unique_ptr<Frame>> make_frame(vk::Device& device, const Scene& scene, const FrameSettings& settings,
                                           const PassList& passes = product_passes()) {
   FL_ASSIGN(auto frame, Frame::create(device, scene.rig, scene.compiled, settings, passes));
+  frame->set_puffs(scene.puffs);
   frame->step(scene.levels, 0);
   return frame;
 }
@@ -178,6 +180,7 @@ Result<Judged> judge_scene_of(vk::Device& device, const Scene& scene, const View
       judge_scene(scene.rig, walker, [gobos](int gobo, double x, double y) { return gobos(gobo, x, y).x; });
   if (!only_builtin(scene.compiled)) judge.colors = gobos;
   judge.glosses.clear();
+  if (scene.compiled.needs.plumes) add_plumes(judge, plume_field(scene.puffs, scene.rig.haze.scattering_per_m, 0));
   if (options.penumbra > 1) judge.lens = judge_lens(kJudgeLens);
   JudgeOptions judge_options;
   if (options.go_on) {

@@ -67,6 +67,7 @@ struct AirReport {
   double haze_per_m = 0;
   double fog_per_m = 0;
   double error_per_m = 0;  // of the sum of both, against the judge
+  double plumes_m2 = 0;    // that has not mixed yet, and is seen
   int steps = 0;
   double ns_per_step = 0;  // wall clock time, including the decoding of levels
 };
@@ -92,8 +93,9 @@ class AirWatch {
     const render::Wide judged =
         render::air_judged(haze_, room.haze_s).scattering_per_m + render::air_judged(fog_, room.fog_s).scattering_per_m;
     return {air_->haze_per_m(), air_->fog_per_m(), std::abs(air_->scattering_per_m() - static_cast<double>(judged)),
-            steps_, steps_ > 0 ? ns_ / steps_ : 0};
+            0, steps_, steps_ > 0 ? ns_ / steps_ : 0};
   }
+  [[nodiscard]] std::vector<fixtures::PlumePuff> puffs() const { return air_->puffs(); }
 
  private:
   static constexpr std::int64_t kAirStepNs = 40 * kNsPerMs;
@@ -147,10 +149,13 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
     HandLevels hand(scene.rig, scene.compiled);
     for (const std::string& text : arguments.sets) FL_TRY(set_by_hand(text, scene.rig, hand));
     scene.levels.assign(hand.levels().begin(), hand.levels().end());
+    if (watch) watch->step(scene.levels, at_ns);
   }
   if (watch) {
     air = watch->report(scene.rig.room);
     scene.rig.haze.scattering_per_m += air->haze_per_m + air->fog_per_m;
+    scene.puffs = watch->puffs();
+    for (const fixtures::PlumePuff& puff : scene.puffs) air->plumes_m2 += puff.area_m2;
   }
   scene.name = by_hand ? fmt::format("{}, lit by hand", files.demo ? "demo" : files.rig)
                        : fmt::format("{}@{}", files.demo ? "demo" : files.rig, show_duration(at_ns));
@@ -373,8 +378,9 @@ void print_figures(const PictureArguments& arguments, const ReportOptions& optio
   if (air) {
     fmt::print(
         "Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets in "
-        "long double: {:.1e} /m after {} steps of at most 40 ms, {:.0f} ns each.\n\n",
-        air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_per_step);
+        "long double: {:.1e} /m after {} steps of at most 40 ms, {:.0f} ns each. In plumes in front of machines are "
+        "{:.4g} m^2; the errors above include theirs.\n\n",
+        air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_per_step, air->plumes_m2);
   }
 }
 

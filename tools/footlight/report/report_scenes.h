@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fixtures/model/rig.h"
+#include "fixtures/simulate/plume.h"
 
 namespace footlight::tools {
 
@@ -15,6 +16,7 @@ struct Scene {
   fixtures::CompiledRig compiled;
   std::vector<std::uint8_t> levels;  // universes x 512, in the order of compiled.universes
   fixtures::Camera camera;
+  std::vector<fixtures::PlumePuff> puffs;  // of machines that have run before
 };
 
 // Generates `count` lit beams over an arena, 1 to 1,000,000. The same count gives the same scene. Half angles: 70 %
