@@ -177,55 +177,57 @@ ivec2 columns_of(Sides s, int y) {
 }
 
 // Pixels with an edge in part `i` of a triangle: a row of one of the tiles that it reaches into. Bits from `first` on.
-uint edges_in_part(uint number, int i, out ivec2 first) {
-  ivec2 low = drawn[number].low;
-  ivec2 high = drawn[number].high;
-  int tiles = high.x / FL_TILE_PX - low.x / FL_TILE_PX + 1;
-  first = ivec2((low.x / FL_TILE_PX + i % tiles) * FL_TILE_PX, low.y + i / tiles);
-  ivec2 ends = columns_of(drawn[number].sides, first.y);
-  ends = clamp(ivec2(max(ends.x, low.x), min(ends.y, high.x)) - first.x, ivec2(0, -1), ivec2(FL_TILE_PX));
+uint edges_in_part(DrawnTriangle d, int tiles, int i, out ivec2 first) {
+  int row = tiles == 1 ? i : i / tiles;
+  first = ivec2((d.low.x / FL_TILE_PX + i - row * tiles) * FL_TILE_PX, d.low.y + row);
+  ivec2 ends = ivec2(d.low.x, d.high.x);
+  if (d.high.x - d.low.x >= FL_TILE_PX) {  // of a small one a test of each pixel is quicker
+    ivec2 columns = columns_of(d.sides, first.y);
+    ends = ivec2(max(ends.x, columns.x), min(ends.y, columns.y));
+  }
+  ends = clamp(ends - first.x, ivec2(0, -1), ivec2(FL_TILE_PX));
   if (ends.x > ends.y || ends.x == FL_TILE_PX) return 0u;
-  uint below = (1u << ends.x) - 1u;
-  uint within = (1u << min(ends.y + 1, FL_TILE_PX)) - 1u;
-  return (within & ~below) != 0u ? edges_of_row(first) & within & ~below : 0u;
+  uint within = (1u << min(ends.y + 1, FL_TILE_PX)) - (1u << ends.x);
+  return edges_of_row(first) & within;
 }
 
-// Whether a pair was kept; false: there is no room.
-bool keep_pair(uint number, ivec2 at) {
-  if (drawn[number].nearest_z < edge_ids[uint(at.y) * params.width + uint(at.x)].farthest_z) return true;
-  Sides s = drawn[number].sides;
-  vec2 way = vec2(at - s.origin);
-  vec3 sides = drawn[number].open
-                   ? s.at_origin + way.x * s.by_x + way.y * s.by_y
-                   : sides_at(drawn[number].p0, drawn[number].p1, drawn[number].p2, s.turn, at);
-  uint covered = covered_samples(s, sides);
-  if (covered == 0u) return true;
-  uint to = atomicAdd(pair_count, 1u);
-  if (to >= FL_PAIRS) return false;
-  pairs[to] = uvec2(covered << 16 | number, uint(at.y) << 16 | uint(at.x));
-  pair_sides[to] = sides;
-  return true;
+// The samples of a pixel that a triangle covers and that may show it.
+uint samples_of(DrawnTriangle d, ivec2 at, out vec3 sides) {
+  vec2 way = vec2(at - d.sides.origin);
+  sides = d.sides.at_origin + way.x * d.sides.by_x + way.y * d.sides.by_y;
+  vec3 most = sides + 0.51 * (abs(d.sides.by_x) + abs(d.sides.by_y));
+  if (!(min(most.x, min(most.y, most.z)) >= 0.0)) return 0u;
+  if (d.nearest_z < edge_ids[uint(at.y) * params.width + uint(at.x)].farthest_z) return 0u;
+  if (!d.open) sides = sides_at(d.p0, d.p1, d.p2, d.sides.turn, at);
+  return covered_samples(d.sides, sides);
 }
 
 // With all threads: parts `begin`, `begin` + `stride` and so on, of a thread's own triangle; none where `begin` is below
 // 0. The last pairs are left undrawn.
 void gather_pairs(uint number, int begin, int stride) {
-  ivec2 low = drawn[number].low;
-  ivec2 high = drawn[number].high;
-  int count = begin < 0 ? 0 : (high.x / FL_TILE_PX - low.x / FL_TILE_PX + 1) * (high.y - low.y + 1);
+  DrawnTriangle d = drawn[number];
+  int tiles = d.high.x / FL_TILE_PX - d.low.x / FL_TILE_PX + 1;
+  int count = begin < 0 ? 0 : tiles * (d.high.y - d.low.y + 1);
   int i = begin;
   uint bits = 0u;
-  ivec2 first;
+  ivec2 first = ivec2(0);
   for (;;) {
     while (bits != 0u || i < count) {
       if (bits == 0u) {
-        bits = edges_in_part(number, i, first);
+        bits = edges_in_part(d, tiles, i, first);
         i += stride;
-      } else if (keep_pair(number, first + ivec2(findLSB(bits), 0))) {
-        bits &= bits - 1u;
-      } else {
-        break;
+        continue;
       }
+      ivec2 at = first + ivec2(findLSB(bits), 0);
+      vec3 sides;
+      uint covered = samples_of(d, at, sides);
+      if (covered != 0u) {
+        uint to = atomicAdd(pair_count, 1u);
+        if (to >= FL_PAIRS) break;
+        pairs[to] = uvec2(covered << 16 | number, uint(at.y) << 16 | uint(at.x));
+        pair_sides[to] = sides;
+      }
+      bits &= bits - 1u;
     }
     barrier();
     uint found = pair_count;
