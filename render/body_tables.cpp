@@ -228,7 +228,8 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
     }
     const std::uint64_t triangles = body.indices.size() / 3;
     for (const std::uint32_t head : heads[t]) {
-      slots.push_back({head, static_cast<std::uint32_t>(meshes.size()), static_cast<std::uint32_t>(r.body_triangles), 0});
+      slots.push_back(
+          {head, static_cast<std::uint32_t>(meshes.size()), static_cast<std::uint32_t>(r.body_triangles), 0});
       r.body_triangles += triangles;
       rounds += (triangles + FL_ROUND_TRIANGLES - 1) / FL_ROUND_TRIANGLES;
     }

@@ -108,7 +108,7 @@ void add_tree(const std::vector<SolidBox>& solids, BounceScene& scene) {
     }
     indices.insert(indices.end(), {first, first + 1, first});
   }
-  (void)fixtures::add_trees(vertices, indices, 0, false, scene.tree);
+  fixtures::add_tree(vertices, indices, 0, scene.tree);
   for (std::size_t t = 0; t < indices.size(); t += 3) scene.order.push_back(indices[t] / 2);
 }
 

@@ -714,7 +714,8 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
                                             VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_STORAGE_BIT));
   const bool computed = has_computed_triangles(needs, settings);
   FL_ASSIGN(p.depth, vk::Image::create(device, computed ? 1 : solid_width, computed ? 1 : solid_height,
-                                       VK_FORMAT_D32_SFLOAT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT));
+                                       VK_FORMAT_D32_SFLOAT,
+                                       VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT));
   const bool edges = has_smooth_edges(needs, settings);
   FL_ASSIGN(p.edge_masks, zeroed(device, edge_mask_bytes(needs, settings)));
   FL_ASSIGN(p.edges, vk::Image::create(device, edges ? width : 1, edges ? height : 1, VK_FORMAT_R32G32B32A32_SFLOAT,

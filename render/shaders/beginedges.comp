@@ -146,7 +146,8 @@ void main() {
     ivec2 at = low + own_pixel;
     uint to = (uint(at.y - rows.first) * params.width + uint(at.x)) * kSamples + own_first;
     [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {
-      edge_samples[to + i] = (own_id[i] != 0u ? sample_bits(min(params.right.w / own_m[i], 0.999)) : 0u) | best_pixel(i);
+      uint depth = own_id[i] != 0u ? sample_bits(min(params.right.w / own_m[i], 0.999)) : 0u;
+      edge_samples[to + i] = depth | best_pixel(i);
     }
   }
 }

@@ -1,5 +1,6 @@
 #version 460
-// Draws the objects of the scene, a workgroup for each FL_ROUND_TRIANGLES triangles. FL_DRAWS_EDGES: as drawbodies.comp.
+// Draws the objects of the scene, a workgroup for each FL_ROUND_TRIANGLES triangles. FL_DRAWS_EDGES: as
+// drawbodies.comp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #define FL_USE_HEADS

@@ -103,8 +103,8 @@ shared uint wide_count;
 // The part that is in a block of pixels, by all threads. number: of the triangle, among all of the rig.
 void draw_block(Triangle it, uint number, ivec2 block, uint head) { draw_together(in_block(it, block), ~number); }
 
-// Triangles `base` and on of a level, FL_ROUND_TRIANGLES at most. first_number: of its first triangle. slot: FL_NONE for
-// objects. has_wide: false where one thread may draw any of them.
+// Triangles `base` and on of a level, FL_ROUND_TRIANGLES at most. first_number: of its first triangle. slot: FL_NONE
+// for objects. has_wide: false where one thread may draw any of them.
 void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number, uint base, bool has_wide) {
   uint triangles = min(level.index_count / 3u, base + uint(FL_ROUND_TRIANGLES));
   for (; base < triangles; base += FL_GROUP_TRIANGLES) {

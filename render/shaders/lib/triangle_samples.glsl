@@ -56,8 +56,8 @@ void begin_drawn(uint number, Triangle it, uint head) {
   drawn[number] = d;
 }
 
-// Pairs of a triangle and a pixel with an edge of which it covers samples: they are gathered and then drawn with all threads
-// busy, since few of the pixels that a triangle covers have edges.
+// Pairs of a triangle and a pixel with an edge of which it covers samples: they are gathered and then drawn with all
+// threads busy, since few of the pixels that a triangle covers have edges.
 #define FL_PAIRS FL_GROUP_TRIANGLES
 shared uvec2 pairs[FL_PAIRS];  // samples << 16 | number of the triangle; y << 16 | x
 shared vec3 pair_sides[FL_PAIRS];   // as Sides, at the pixel's middle
@@ -133,7 +133,8 @@ void draw_samples(uint pair, uint first) {
   }
   uint to = (uint(at.y - rows.first) * params.width + uint(at.x)) * kSamples + first;
   [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {
-    if ((hits >> i & 1u) != 0u && z[i] > 0.0 && z[i] < 1.0) atomicMax(edge_samples[to + i], sample_bits(z[i]) | best[i]);
+    bool hit = (hits >> i & 1u) != 0u && z[i] > 0.0 && z[i] < 1.0;
+    if (hit) atomicMax(edge_samples[to + i], sample_bits(z[i]) | best[i]);
   }
 }
 
@@ -202,8 +203,8 @@ uint samples_of(DrawnTriangle d, ivec2 at, out vec3 sides) {
   return covered_samples(d.sides, sides);
 }
 
-// With all threads: parts `begin`, `begin` + `stride` and so on, of a thread's own triangle; none where `begin` is below
-// 0. The last pairs are left undrawn.
+// With all threads: parts `begin`, `begin` + `stride` and so on, of a thread's own triangle; none where `begin` is
+// below 0. The last pairs are left undrawn.
 void gather_pairs(uint number, int begin, int stride) {
   DrawnTriangle d = drawn[number];
   int tiles = d.high.x / FL_TILE_PX - d.low.x / FL_TILE_PX + 1;

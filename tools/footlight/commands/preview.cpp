@@ -111,9 +111,7 @@ void add(Arguments& arguments) {
     if ((!error->empty() || !ms->empty()) && (*nodes || *tile_error || *body_error)) {
       return fail(ErrorCode::kBadInput, "{} and {}: expected one of them; {} sets it",
                   error->empty() ? "--ms" : "--error",
-                  *nodes        ? "--nodes"
-                  : *tile_error ? "--tile-error"
-                                : "--body-error",
+                  *nodes ? "--nodes" : (*tile_error ? "--tile-error" : "--body-error"),
                   error->empty() ? "--ms" : "--error");
     }
     options->nodes = nodes->value_or(options->nodes);
