@@ -50,7 +50,7 @@ class BodiesPass final : public Pass {
 
   void record(VkCommandBuffer commands, std::span<const std::byte>) override {
     if (parts_.place.pipeline) {
-      const BodyRoundsHead none{FL_ROUNDS_X, 0, 1, 0};
+      const BodyRoundsHead none{0, 0, 1, 0};
       vkCmdUpdateBuffer(commands, resources_.rig.body_rounds.handle, 0, sizeof(none), &none);
       vk::full_barrier(commands);
       dispatch(commands, parts_.place, groups_of(resources_.rig.slot_count, FL_GROUP_HEADS), 1);

@@ -1,5 +1,5 @@
 // How triangles of bodies and objects are drawn by compute shaders: those of bodies and objects that fit into a
-// workgroup, then the parts of larger ones (render/shaders/lib/triangle_rounds.glsl).
+// workgroup, then the parts of larger ones (render/shaders/lib/triangle_blocks.glsl).
 #pragma once
 
 #include <algorithm>

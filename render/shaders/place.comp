@@ -30,6 +30,7 @@ vec2 rows_of(vec3 centre, float radius_m, float z) {
 void add_rounds(uint slot, uint triangles) {
   uint count = (triangles + FL_ROUND_TRIANGLES - 1u) / FL_ROUND_TRIANGLES;
   uint first = atomicAdd(rounds_head.count, count);
+  atomicMax(rounds_head.groups_x, min(first + count, uint(FL_ROUNDS_X)));
   atomicMax(rounds_head.groups_y, (first + count + FL_ROUNDS_X - 1u) / FL_ROUNDS_X);
   for (uint i = 0u; i < count; ++i) rounds[first + i] = BodyRoundRow(slot, i * FL_ROUND_TRIANGLES);
 }

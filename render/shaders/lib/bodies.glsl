@@ -32,12 +32,21 @@ float stretch(Placed at) {
 // That of the stage, in which objects are.
 Placed stage_space() { return Placed(-params.position.xyz, vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1)); }
 
+// dot(), to the same bits in every shader: glslang leaves a dot() of a precise number to the driver.
+float exact_dot(vec3 a, vec3 b) {
+  precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+  return sum;
+}
+
 // Rows that take a place in it to (x times w, y times w, w); x and y in pixels from the picture's middle.
 mat3x4 space_of(Placed at) {
-  vec3 across = params.right.xyz * (0.5 * float(params.width) / dot(params.right.xyz, params.right.xyz));
-  vec3 down = params.up.xyz * (-0.5 * float(params.height) / dot(params.up.xyz, params.up.xyz));
-  vec3 ahead = params.forward.xyz;
-  return mat3x4(vec4(dot(at.x_axis, across), dot(at.y_axis, across), dot(at.z_axis, across), dot(at.origin, across)),
-                vec4(dot(at.x_axis, down), dot(at.y_axis, down), dot(at.z_axis, down), dot(at.origin, down)),
-                vec4(dot(at.x_axis, ahead), dot(at.y_axis, ahead), dot(at.z_axis, ahead), dot(at.origin, ahead)));
+  precise vec3 across = params.right.xyz * (0.5 * float(params.width) / exact_dot(params.right.xyz, params.right.xyz));
+  precise vec3 down = params.up.xyz * (-0.5 * float(params.height) / exact_dot(params.up.xyz, params.up.xyz));
+  vec3 rows[3] = vec3[3](across, down, params.forward.xyz);
+  mat3x4 space;
+  for (int i = 0; i < 3; ++i) {
+    space[i] = vec4(exact_dot(at.x_axis, rows[i]), exact_dot(at.y_axis, rows[i]), exact_dot(at.z_axis, rows[i]),
+                    exact_dot(at.origin, rows[i]));
+  }
+  return space;
 }

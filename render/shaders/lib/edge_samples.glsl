@@ -14,4 +14,7 @@ uint sample_bits(float z) { return floatBitsToUint(z) << 2 & ~15u; }
 // By how much a neighbour that shows the same surface misses a sample: apart, in pixels; how far its plane is off, in
 // pixels; 1 - cosine between the normals, doubled. With kNoNeighbour or more it is none.
 const float kNoNeighbour = 4.0;
-float neighbour_misses(vec2 apart, float off, float turned) { return 0.05 * dot(apart, apart) + off + turned; }
+float neighbour_misses(vec2 apart, float off, float turned) {
+  precise float misses = 0.05 * (apart.x * apart.x + apart.y * apart.y) + off + turned;
+  return misses;
+}

@@ -84,7 +84,7 @@ void draw_open_together(Triangle it, uint key) {
   for (int i = int(gl_LocalInvocationIndex); i < count; i += FL_GROUP_TRIANGLES) {
     ivec2 at = ivec2(i % across, i / across);
     precise vec3 e = s.at_origin + (float(at.x) * s.by_x + float(at.y) * s.by_y);
-    precise float z = dot(e, s.depth);
+    float z = exact_dot(e, s.depth);
     if (!(min(e.x, min(e.y, e.z)) >= 0.0 && z > 0.0 && z < 1.0)) continue;
     touch(uint(it.low.y + at.y) * params.width + uint(it.low.x + at.x), z, key);
   }

@@ -96,8 +96,9 @@ void find_planes(uint pair) {
     near |= 1u << n;
     // Through the neighbour's middle, at its depth; depths of the buffer are those of the near plane over true ones.
     near_planes[9u * pair + n] =
-        NearPlane(dot(normal, ray), dot(normal, right), dot(normal, down),
-                  dot(normal, ray + float(to.x) * right + float(to.y) * down) / depth, 2.0 * (1.0 - dot(normal, face)));
+        NearPlane(exact_dot(normal, ray), exact_dot(normal, right), exact_dot(normal, down),
+                  (exact_dot(normal, ray) + float(to.x) * exact_dot(normal, right) +
+                   float(to.y) * exact_dot(normal, down)) / depth, 2.0 * (1.0 - exact_dot(normal, face)));
   }
   near_pixels[pair] = near;
 }
@@ -116,7 +117,8 @@ void draw_samples(uint pair, uint first) {
   uint best[FL_OWN];
   [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {
     place[i] = sample_offset(first + i);
-    z[i] = dot(pair_sides[pair] + place[i].x * s.by_x + place[i].y * s.by_y, s.depth);
+    precise vec3 inside = pair_sides[pair] + place[i].x * s.by_x + place[i].y * s.by_y;
+    z[i] = exact_dot(inside, s.depth);
     least[i] = kNoNeighbour;
     best[i] = 4u;
   }
@@ -125,7 +127,7 @@ void draw_samples(uint pair, uint first) {
     NearPlane plane = near_planes[9u * pair + n];
     vec2 to = vec2(float(n % 3u), float(n / 3u)) - 1.0;
     [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {
-      float off = abs(plane.a + plane.bx * place[i].x + plane.by * place[i].y - plane.c * z[i]);
+      precise float off = abs(plane.a + plane.bx * place[i].x + plane.by * place[i].y - plane.c * z[i]);
       float own = neighbour_misses(to - place[i], off, plane.turned);
       best[i] = own < least[i] ? n : best[i];
       least[i] = min(least[i], own);
@@ -157,7 +159,7 @@ uint covered_samples(Sides s, vec3 sides) {
   uint covered = 0u;
   for (uint n = 0u; n < kSamples; ++n) {
     vec2 place = sample_offset(n);
-    vec3 inside = sides + place.x * s.by_x + place.y * s.by_y;
+    precise vec3 inside = sides + place.x * s.by_x + place.y * s.by_y;
     covered |= min(inside.x, min(inside.y, inside.z)) >= 0.0 ? 1u << n : 0u;
   }
   return covered;
@@ -195,7 +197,8 @@ uint edges_in_part(DrawnTriangle d, int tiles, int i, out ivec2 first) {
 // The samples of a pixel that a triangle covers and that may show it.
 uint samples_of(DrawnTriangle d, ivec2 at, out vec3 sides) {
   vec2 way = vec2(at - d.sides.origin);
-  sides = d.sides.at_origin + way.x * d.sides.by_x + way.y * d.sides.by_y;
+  precise vec3 at_middle = d.sides.at_origin + way.x * d.sides.by_x + way.y * d.sides.by_y;
+  sides = at_middle;
   vec3 most = sides + 0.51 * (abs(d.sides.by_x) + abs(d.sides.by_y));
   if (!(min(most.x, min(most.y, most.z)) >= 0.0)) return 0u;
   if (d.nearest_z < edge_ids[uint(at.y) * params.width + uint(at.x)].farthest_z) return 0u;

@@ -47,13 +47,16 @@ struct Triangle {
 };
 
 // All that draw the same triangle must find the same numbers.
-precise vec3 homogeneous(BodyVertexRow v) {
-  uint first = (v.part & FL_OBJECT) != 0u ? 0u : 3u * (v.part & uint(FL_PART_DEPTH));
-  vec4 p = vec4(v.x, v.y, v.z, 1.0);
-  precise vec3 h = vec3(dot(to_picture[first], p), dot(to_picture[first + 1u], p), dot(to_picture[first + 2u], p));
-  return h;
+float exact_row(vec4 row, BodyVertexRow v) {
+  precise float sum = row.x * v.x + row.y * v.y + row.z * v.z + row.w;
+  return sum;
 }
-precise vec3 picture_of(vec3 h) {
+vec3 homogeneous(BodyVertexRow v) {
+  uint first = (v.part & FL_OBJECT) != 0u ? 0u : 3u * (v.part & uint(FL_PART_DEPTH));
+  return vec3(exact_row(to_picture[first], v), exact_row(to_picture[first + 1u], v),
+              exact_row(to_picture[first + 2u], v));
+}
+vec3 picture_of(vec3 h) {
   precise float x = h.x / h.z + 0.5 * float(params.width);
   precise float y = h.y / h.z + 0.5 * float(params.height);
   return vec3(x, y, params.right.w / h.z);
@@ -128,7 +131,7 @@ struct Sides {
   vec3 depth;
 };
 
-precise vec3 crossed(vec3 a, vec3 b) {
+vec3 crossed(vec3 a, vec3 b) {
   precise vec3 c = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
   return c;
 }
@@ -137,20 +140,24 @@ precise vec3 crossed(vec3 a, vec3 b) {
 // plane. Its corners are not those in 1/256 of a pixel of its neighbours, so it is widened by as much.
 Sides open_sides(Triangle it, ivec2 origin) {
   vec2 from = vec2(origin) + 0.5 - 0.5 * vec2(float(params.width), float(params.height));
-  vec3 a = vec3(it.h0.xy - from * it.h0.z, it.h0.z);
-  vec3 b = vec3(it.h1.xy - from * it.h1.z, it.h1.z);
-  vec3 c = vec3(it.h2.xy - from * it.h2.z, it.h2.z);
+  precise vec2 a_xy = it.h0.xy - from * it.h0.z;
+  precise vec2 b_xy = it.h1.xy - from * it.h1.z;
+  precise vec2 c_xy = it.h2.xy - from * it.h2.z;
+  vec3 a = vec3(a_xy, it.h0.z);
+  vec3 b = vec3(b_xy, it.h1.z);
+  vec3 c = vec3(c_xy, it.h2.z);
   vec3 a_out = crossed(b, c);
   vec3 b_out = crossed(c, a);
   vec3 c_out = crossed(a, b);
-  float volume = dot(a, a_out);
+  float volume = exact_dot(a, a_out);
   float turn = volume < 0.0 ? -1.0 : 1.0;
   Sides s;
   s.origin = origin;
   s.turn = turn;
   s.by_x = turn * vec3(a_out.x, b_out.x, c_out.x);
   s.by_y = turn * vec3(a_out.y, b_out.y, c_out.y);
-  s.at_origin = turn * vec3(a_out.z, b_out.z, c_out.z) + (abs(s.by_x) + abs(s.by_y)) / 256.0;
+  precise vec3 at_origin = turn * vec3(a_out.z, b_out.z, c_out.z) + (abs(s.by_x) + abs(s.by_y)) / 256.0;
+  s.at_origin = at_origin;
   s.depth = vec3(params.right.w / abs(volume));
   return s;
 }

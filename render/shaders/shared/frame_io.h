@@ -900,7 +900,7 @@ struct BodySlotRow {
 #define FL_GROUP_LIST 256    // threads of a workgroup that lists the bodies of a mesh
 #define FL_GROUP_TRIANGLES 64  // threads of a workgroup that draws triangles
 #define FL_WIDE_BODY_PX 16       // a body with this diameter has FL_CHOICE_WIDE
-#define FL_SLOTS_X 32768     // workgroups side by side, one a body
+#define FL_SLOTS_X 32768  // workgroups side by side that draw objects
 #define FL_ROUND_TRIANGLES 64   // triangles that a workgroup draws
 // Where a body is in the picture. For each number of joints, rows that take a place behind them to (x times w, y times
 // w, w); x and y in pixels from the picture's middle. Then the rows of pixels that it may cover.
@@ -913,7 +913,7 @@ struct BodySpaceRow {
 };
 // The workgroups that draw bodies: the commands of an indirect dispatch, and how many there are, FL_ROUNDS_X side by
 // side.
-#define FL_ROUNDS_X 256
+#define FL_ROUNDS_X 1024
 struct BodyRoundsHead {
   uint groups_x;
   uint groups_y;
