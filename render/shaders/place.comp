@@ -15,17 +15,6 @@ layout(set = 0, binding = FL_BINDING_BODY_ROUNDS, std430) buffer RoundsBuffer {
   BodyRoundRow rounds[];
 };
 
-// The rows of pixels that a ball may cover.
-vec2 rows_of(vec3 centre, float radius_m, float z) {
-  if (!(z > 2.0 * radius_m)) return vec2(-1e9, 1e9);
-  float up = length(params.up.xyz);
-  float middle = dot(centre, params.up.xyz) / (up * up * z);  // -1 to 1 in the picture
-  float reach = radius_m * (1.0 + abs(middle) * up) / (up * (z - radius_m));
-  float at_px = (0.5 - 0.5 * middle) * float(params.height);
-  float reach_px = 0.5 * reach * float(params.height) + 2.0;
-  return vec2(at_px - reach_px, at_px + reach_px);
-}
-
 // Asks for the workgroups that draw it.
 void add_rounds(uint slot, uint triangles) {
   uint count = (triangles + FL_ROUND_TRIANGLES - 1u) / FL_ROUND_TRIANGLES;
@@ -73,8 +62,10 @@ void main() {
     float nearest_m = z - radius_m;
     float here = nearest_m > 2.0 * near_m ? focal_px * (away_m + radius_m) / (nearest_m * nearest_m) : 1e30;
     diameter_px = max(diameter_px, min(2.0 * radius_m * here, 1e30));
-    vec2 own_rows = rows_of(centre, radius_m, z);
-    rows = vec2(min(rows.x, own_rows.x), max(rows.y, own_rows.y));
+    // The rows of pixels that it may cover.
+    float row_px = 0.5 * float(params.height) - focal_px * dot(centre, params.up.xyz) / (tan_y * max(z, near_m));
+    float reach_px = min(radius_m * here, 1e30) + 2.0;
+    rows = vec2(min(rows.x, row_px - reach_px), max(rows.y, row_px + reach_px));
     if (seen) px_per_m = max(px_per_m, min(here * scale, 1e30));
     visible = visible || seen;
   }
