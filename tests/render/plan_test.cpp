@@ -394,6 +394,21 @@ TEST_CASE("plumes alone bring the table of haze and the shaders that read it, an
     return plan;
   };
   CHECK(apart(plumes) == apart(clouds));
+  // Every pass that reads the table knows that it has slopes.
+  const auto value = [](const PassPlan& pass, std::uint32_t id) {
+    const auto found = std::find_if(pass.constants.begin(), pass.constants.end(),
+                                    [&](const SpecConstant& one) { return one.id == id; });
+    return found == pass.constants.end() ? 0u : found->value;
+  };
+  int readers = 0;
+  for (std::size_t i = 0; i < plumes.size(); ++i) {
+    CAPTURE(plumes[i].name);
+    if (value(plumes[i], FL_SPEC_HAZE) == 0) continue;
+    CHECK(value(plumes[i], FL_SPEC_PLUMES) == 1);
+    CHECK(value(clouds[i], FL_SPEC_PLUMES) == 0);
+    ++readers;
+  }
+  CHECK(readers >= 4);
   CHECK(constants_of(plumes, "haze") == std::vector<SpecConstant>{{FL_SPEC_PLUMES, 1}});
 }
 
