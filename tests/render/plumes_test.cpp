@@ -142,6 +142,13 @@ TEST_CASE("a picture with plumes is that of playing in any steps, of a moment go
   CHECK(picture(*whole, scene).rgb == played.rgb);
 }
 
+TEST_CASE("a moment's bytes count the plumes that it holds") {
+  FrameState clear;
+  FrameState foggy;
+  foggy.air.plumes.resize(16);
+  CHECK(foggy.bytes() - clear.bytes() == 16 * sizeof(fixtures::Plume));
+}
+
 TEST_CASE(
     "without a machine that is open, a picture with plumes is that of even haze, and a rig without has no table") {
   const HeadlessVulkan vulkan;
