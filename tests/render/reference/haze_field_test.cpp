@@ -123,6 +123,12 @@ TEST_CASE("the noise of plumes has no jump in time, also where its shift begins 
   CHECK(change > 0.05);  // it moves
 }
 
+TEST_CASE("puffs beyond those that the GPU has room for are left out") {
+  const PlumeField field = plume_field(std::vector<fixtures::PlumePuff>(FL_PUFFS_MAX + 3), 0.01, 0);
+  CHECK(field.head.count == FL_PUFFS_MAX);
+  CHECK(plume_rows(field).puffs.size() == FL_PUFFS_MAX);
+}
+
 TEST_CASE("at its height half of the haze is left, and at twice of it a seventeenth") {
   fixtures::Haze haze;
   haze.height_m = 5;
