@@ -131,6 +131,7 @@ class Frame {
   // The plumes of machines, now: those of its own machines, or what set_puffs() got last.
   [[nodiscard]] std::vector<fixtures::PlumePuff> puffs() const;
   // Replaces them from the next picture on; none: its own again. Does nothing in a rig without plumes.
+  // Those beyond FL_PUFFS_MAX are left out.
   void set_puffs(std::vector<fixtures::PlumePuff> puffs) { puffs_ = std::move(puffs); }
   // Scattering of the room's own haze from the next picture on, in 1/m; finite, 0 or more. Changes no pass. Does
   // nothing in a rig that has no haze.

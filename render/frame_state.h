@@ -14,7 +14,9 @@ struct FrameState {
   std::vector<std::byte> heads;
   fixtures::MachineAir::Air air;
   std::int64_t time_ns = 0;  // of all steps so far: clouds of haze drift by it
-  [[nodiscard]] std::size_t bytes() const { return heads.size() + sizeof(*this); }
+  [[nodiscard]] std::size_t bytes() const {
+    return heads.size() + air.plumes.size() * sizeof(fixtures::Plume) + sizeof(*this);
+  }
 };
 
 }  // namespace footlight::render

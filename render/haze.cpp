@@ -58,10 +58,11 @@ f32::HazeField haze_field_in_float(const f64::HazeField& field) {
 
 PlumeField plume_field(std::span<const fixtures::PlumePuff> puffs, double scattering_per_m, std::int64_t time_ns) {
   PlumeField field;
+  puffs = puffs.first(std::min(puffs.size(), std::size_t{FL_PUFFS_MAX}));
   f64::HazePlumes& head = field.head;
   head.scattering_per_m = puffs.empty() ? scattering_per_m : std::max(scattering_per_m, kLeastScatteringPerM);
   head.even_share = head.scattering_per_m > 0 ? scattering_per_m / head.scattering_per_m : 1;
-  // The lattice of the noise repeats after 32 cubes.
+  // The lattice of the noise repeats after 32 cubes along the axis, where the noise begins again.
   head.shift_m = std::fmod(f64::kPlumeNoiseMS * (static_cast<double>(time_ns) * 1e-9), 32 * f64::kPlumeCubeM);
   head.count = static_cast<std::uint32_t>(puffs.size());
   for (const fixtures::PlumePuff& puff : puffs) {

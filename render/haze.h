@@ -7,6 +7,7 @@
 
 #include "fixtures/model/rig.h"
 #include "fixtures/simulate/plume.h"
+#include "render/frame_io.h"
 #include "sim/shared/shared.h"
 
 namespace footlight::render::f32 {
@@ -41,7 +42,7 @@ struct PlumeField {
   f64::HazePlumes head{};
   std::vector<f64::HazePuff> puffs;
 };
-// scattering_per_m: of the haze in the room.
+// Of the first FL_PUFFS_MAX puffs, which is what the GPU has room for. scattering_per_m: of the haze in the room.
 [[nodiscard]] PlumeField plume_field(std::span<const fixtures::PlumePuff> puffs, double scattering_per_m,
                                      std::int64_t time_ns);
 // What the GPU has of it: the head, then the puffs.

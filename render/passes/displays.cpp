@@ -103,6 +103,7 @@ const PassEntry kDisplaysPass{
           {FL_SPEC_GLOSS, has_gloss(needs, settings)},
           {FL_SPEC_TILES, has_display_records(needs, settings)},
           {FL_SPEC_HAZE, has_displays_in_air(needs, settings) && has_haze_field(needs, settings)},
+          {FL_SPEC_PLUMES, needs.plumes && has_displays_in_air(needs, settings)},
           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {

@@ -34,16 +34,19 @@ class HazePass final : public Pass {
 const PassEntry kHazePass{
     "haze",
     has_haze_field,
-    [](const fixtures::Needs& needs, const FrameSettings&) {
-      return needs.plumes ? std::vector<vk::SpecConstant>{{FL_SPEC_PLUMES, 1}} : std::vector<vk::SpecConstant>{};
+    [](const fixtures::Needs& needs, const FrameSettings& settings) {
+      std::vector<vk::SpecConstant> constants;
+      if (needs.plumes) constants.push_back({FL_SPEC_PLUMES, 1});
+      if (needs.plumes && has_gloss(needs, settings)) constants.push_back({FL_SPEC_GLOSS, 1});
+      return constants;
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       const bool plumes = has_constant(context, FL_SPEC_PLUMES);
-      FL_ASSIGN(auto table,
-                BoundPipeline::compute(context, plumes ? vk::Spirv(kHazeplumesComp) : vk::Spirv(kHazeComp), {}));
+      const vk::Spirv spirv = plumes ? vk::Spirv(kHazeplumesComp) : vk::Spirv(kHazeComp);
+      FL_ASSIGN(auto table, BoundPipeline::compute(context, spirv, context.constants));
       BoundPipeline veil;
       if (plumes) {
-        FL_ASSIGN(veil, BoundPipeline::compute(context, kPlumeveilComp, {}));
+        FL_ASSIGN(veil, BoundPipeline::compute(context, kPlumeveilComp, context.constants));
       }
       return std::unique_ptr<Pass>(new HazePass(context.settings, std::move(table), std::move(veil)));
     },

@@ -73,6 +73,7 @@ const PassEntry kLasersPass{
                                            {FL_SPEC_LASER, has_air(needs, settings)},
                                            {FL_SPEC_TILES, settings.tile_error > 0},
                                            {FL_SPEC_HAZE, has_haze_field(needs, settings)},
+                                           {FL_SPEC_PLUMES, needs.plumes},
                                            {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {

@@ -71,6 +71,7 @@ const PassEntry kShaftsPass{
           {FL_SPEC_DETAIL, settings.widen_thin},
           {FL_SPEC_TILES, settings.tile_error > 0 && settings.view == FrameView::kPicture},
           {FL_SPEC_HAZE, has_shafts_in_air(needs, settings) && has_haze_field(needs, settings)},
+          {FL_SPEC_PLUMES, needs.plumes && has_shafts_in_air(needs, settings)},
           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {

@@ -1,11 +1,13 @@
 #version 460
 // The table of haze (haze.comp) with the plumes of machines in it. What it holds of the density is what the eye gets:
-// less what puffs in front of it take away. A thread a ray.
+// less what puffs in front of it take away. Rays of a mirrored camera begin on the floor: puffs below it are in the
+// table, where no pass reads it, and take nothing away. A thread a ray.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_HAZE
 #define FL_HAZE_WRITE
 #define FL_HAZE_PLUMES
 #include "render/shaders/lib/frame.glsl"
+#include "render/shaders/lib/mirror.glsl"
 #include "render/shaders/lib/plume.glsl"
 
 layout(local_size_x = FL_GROUP_HAZE) in;
@@ -72,21 +74,27 @@ void main() {
   float sum = 0.0;
   float last_m = haze_distance(0.0);
   float through = 1.0;  // what reaches the eye from there
+  float begin_m = ray_begin(ray);
   Place begin = place_at(from + ray * last_m, blur * last_m, count, clouds);
   for (uint k = 0u; k < uint(FL_HAZE_SLICES); ++k) {
     float next_m = haze_distance(float(k + 1u) / float(FL_HAZE_SLICES));
     float length_m = next_m - last_m;
     Place end = place_at(from + ray * next_m, blur * next_m, count, clouds);
     float puffs = 0.0;
+    float hidden = 0.0;  // of puffs: below the floor
     for (uint i = 0u; i < count; ++i) {
       float x = chords[i].per_m * (next_m - chords[i].middle);
       if (x < -4.0) continue;
       float now = x < 4.0 ? plume_erf(x) : 1.0;
       puffs += chords[i].scale * (now - reached[i]);
+      if (kGloss && begin_m > last_m) {
+        float floor_erf = plume_erf(chords[i].per_m * (begin_m - chords[i].middle));
+        hidden += chords[i].scale * max(min(now, floor_erf) - reached[i], 0.0);
+      }
       reached[i] = now;
     }
     // Of what is evenly mixed in a slice of optical depth d the mean (1 - exp(-d)) / d gets out.
-    float depth = haze_plumes.scattering_per_m * puffs;
+    float depth = haze_plumes.scattering_per_m * (puffs - hidden);
     float left = through * exp(-depth);
     float seen = depth > 1e-3 ? (through - left) / depth : through * (1.0 - 0.5 * depth);
     float even = 0.5 * (begin.even + end.even) * length_m;

@@ -142,6 +142,37 @@ TEST_CASE("a picture with plumes is that of playing in any steps, of a moment go
   CHECK(picture(*whole, scene).rgb == played.rgb);
 }
 
+TEST_CASE("a moment's bytes count the plumes that it holds") {
+  FrameState clear;
+  FrameState foggy;
+  foggy.air.plumes.resize(16);
+  CHECK(foggy.bytes() - clear.bytes() == 16 * sizeof(fixtures::Plume));
+}
+
+TEST_CASE("a plume below a floor that mirrors takes no light from what the floor shows") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = foggy_scene(0.01);
+  scene.rig.boxes.push_back({"floor", {-14, -14, -0.3}, {14, 14, 0}, glm::dvec3(0.02), {1, 0}});
+  scene.compile();
+  for (std::size_t i = 2; i < 5; ++i) scene.set(i, "Dimmer", 1);
+  const auto frame = make_frame(vulkan.device(), scene, small(32, 18));
+  const auto with_puff = [&](const glm::dvec3& center_m) {
+    frame->set_puffs({{.center_m = center_m, .axis = {1, 0, 0}, .across_m = 0.3, .along_m = 1, .area_m2 = 4}});
+    return picture(*frame, scene);
+  };
+  // Behind both cameras, and 5 m before the mirrored one, which stands 2 m below the floor.
+  const RadianceImage away = with_puff({0, -60, -1.4});
+  const RadianceImage below = with_puff({0, -4, -1.4});
+  const RadianceImage above = with_puff({0, -4, 1.4});
+  const std::vector<double> expected(away.rgb.begin(), away.rgb.end());
+  const double hidden = picture_norms(below.rgb, expected).rel_l2;
+  const double seen = picture_norms(above.rgb, expected).rel_l2;
+  std::fprintf(stderr, "a puff below the floor: relL2 %.3g; above it %.3g\n", hidden, seen);
+  CHECK(hidden < 1e-4);
+  CHECK(seen > 0.01);
+}
+
 TEST_CASE(
     "without a machine that is open, a picture with plumes is that of even haze, and a rig without has no table") {
   const HeadlessVulkan vulkan;

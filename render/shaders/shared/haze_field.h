@@ -40,7 +40,8 @@ FL_FN uint haze_hash(uint x) {
   x = (x ^ (x >> uint(15))) * uint(0x846ca68bu);
   return x ^ (x >> uint(16));
 }
-// The random signs of a row of corners, a bit each. They repeat after 32 cubes.
+// The random signs of a row of corners, a bit each. Along x they repeat after 32 cubes, along y and
+// z they do not.
 FL_FN uint haze_row(uint seed, uint y, uint z) {
   return haze_hash(seed + y * uint(0x9e3779b9u) + z * uint(0x85ebca6bu));
 }

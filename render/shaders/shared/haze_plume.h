@@ -20,7 +20,7 @@ struct HazePuff {
 struct HazePlumes {
   Real even_share;        // of the scattering that counts as even haze: what is in the room
   Real scattering_per_m;  // of a density of 1
-  Real shift_m;           // that noise has moved along the axes
+  Real shift_m;           // that noise has moved along the axes, beyond whole 32 cubes
   uint count;             // puffs
 };
 
@@ -51,6 +51,7 @@ FL_FN Real haze_plume_factor(Vec3 axis, uint plume, Real shift_m, Vec3 place, Re
   layer.cell_z = uint(0);
   layer.seed = haze_hash(plume + uint(77));
   layer.weight = Real(1);
-  Vec3 at = Vec3(dot(place, side), dot(place, cross(axis, side)), dot(place, axis) - shift_m);
+  // The axis is first: the lattice repeats along x alone, and shift_m starts again where it does.
+  Vec3 at = Vec3(dot(place, axis) - shift_m, dot(place, side), dot(place, cross(axis, side)));
   return Real(1) + kPlumeNoise * fade * haze_layer(layer, at);
 }

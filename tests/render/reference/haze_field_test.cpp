@@ -1,6 +1,7 @@
 // The density of haze that is not even, in double.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -97,6 +98,35 @@ TEST_CASE("haze in float is that in double") {
     CHECK(static_cast<double>(f32::haze_density(single, glm::vec3(place), 0.0f)) ==
           doctest::Approx(f64::haze_density(field, place, 0.0)).epsilon(1e-3));
   }
+}
+
+TEST_CASE("the noise of plumes has no jump in time, also where its shift begins again") {
+  constexpr double kAgainS = 32 * f64::kPlumeCubeM / f64::kPlumeNoiseMS;
+  const std::vector<fixtures::PlumePuff> puffs(1);
+  const auto factor = [&](double seconds, const glm::dvec3& axis, const glm::dvec3& place) {
+    const PlumeField field = plume_field(puffs, 0.01, std::llround(seconds * 1e9));
+    const double exact = f64::haze_plume_factor(axis, 3, field.head.shift_m, place, 0);
+    const float single =
+        f32::haze_plume_factor(glm::vec3(axis), 3, plume_rows(field).head.shift_m, glm::vec3(place), 0.0f);
+    CHECK(std::abs(static_cast<double>(single) - exact) < 1e-3);
+    return exact;
+  };
+  double change = 0;
+  for (int i = 0; i < 300; ++i) {
+    const glm::dvec3 place(0.13 * i - 20, 0.07 * i - 9, 0.021 * i);
+    const glm::dvec3 axis = glm::normalize(glm::dvec3(std::sin(i), std::cos(i), 0.02 * (i % 100)));
+    for (const double at_s : {kAgainS, 100 * kAgainS, 0.3 * kAgainS}) {
+      CHECK(std::abs(factor(at_s - 1e-3, axis, place) - factor(at_s + 1e-3, axis, place)) < 5e-3);
+    }
+    change += std::abs(factor(0, axis, place) - factor(0.5, axis, place)) / 300;
+  }
+  CHECK(change > 0.05);  // it moves
+}
+
+TEST_CASE("puffs beyond those that the GPU has room for are left out") {
+  const PlumeField field = plume_field(std::vector<fixtures::PlumePuff>(FL_PUFFS_MAX + 3), 0.01, 0);
+  CHECK(field.head.count == FL_PUFFS_MAX);
+  CHECK(plume_rows(field).puffs.size() == FL_PUFFS_MAX);
 }
 
 TEST_CASE("at its height half of the haze is left, and at twice of it a seventeenth") {
