@@ -10,6 +10,7 @@
 
 #include "tools/footlight/preview/key_presses.h"
 #include "tools/footlight/preview/mouse_queue.h"
+#include "tools/footlight/preview/output_feed.h"
 #include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/panels.h"
 
@@ -239,9 +240,13 @@ TEST_CASE("a key that is pressed and released between two pictures is down in on
   taps.hold(down);
 }
 
-TEST_CASE("the key of the dead man's switch is held from its press to its release, or until the window loses it") {
+TEST_CASE("the key of the dead man's switch is held from its press to its release") {
   HeldKey key(kHoldKey);
   CHECK(!key.held());
+  key.take_key(GLFW_KEY_END, GLFW_PRESS);  // it may have been down before the window was there
+  key.take_key(GLFW_KEY_END, GLFW_REPEAT);
+  CHECK(!key.held());
+  key.take_key(GLFW_KEY_END, GLFW_RELEASE);
   key.take_key(GLFW_KEY_END, GLFW_PRESS);
   CHECK(key.held());
   key.take_key(GLFW_KEY_HOME, GLFW_RELEASE);
@@ -249,14 +254,69 @@ TEST_CASE("the key of the dead man's switch is held from its press to its releas
   CHECK(key.held());
   key.take_key(GLFW_KEY_END, GLFW_RELEASE);
   CHECK(!key.held());
-  key.take_key(GLFW_KEY_END, GLFW_PRESS);
-  key.let_go();
-  CHECK(!key.held());
-  key.take_key(GLFW_KEY_END, GLFW_REPEAT);  // of a press that the window has not seen
+  key.take_key(GLFW_KEY_END, GLFW_REPEAT);
   CHECK(!key.held());
   // It means nothing else, with whatever other keys are held.
   for (const int mods : {0, GLFW_MOD_SHIFT, GLFW_MOD_CONTROL, GLFW_MOD_CONTROL | GLFW_MOD_SHIFT}) {
     CHECK(!call_of({kHoldKey, mods, false}));
+  }
+}
+
+TEST_CASE("a key that is held while the window loses and regains the keyboard or is iconified counts again only anew") {
+  for (const bool icon : {false, true}) {
+    HeldKey key(kHoldKey);
+    OutputFeed feed(std::vector<Universe>{1});
+    TimeNs now_ns = 0;
+    const auto live = [&] {  // a turn of the window
+      now_ns += 17 * kNsPerMs;
+      feed.hold(now_ns, key.held());
+      return feed.darkness() == Darkness::kNone;
+    };
+    feed.need_hold(true);
+    CHECK(!live());
+    key.take_key(GLFW_KEY_END, GLFW_PRESS);
+    key.take_key(GLFW_KEY_END, GLFW_RELEASE);
+    CHECK(!live());
+    key.take_key(GLFW_KEY_END, GLFW_PRESS);
+    CHECK(live());
+    if (icon) key.let_go();
+    key.take_focus(false);
+    key.take_key(GLFW_KEY_END, GLFW_RELEASE);  // made up by GLFW
+    CHECK(!live());
+    key.take_focus(true);
+    if (icon) key.let_go();
+    CHECK(!live());
+    key.take_key(GLFW_KEY_END, GLFW_PRESS);  // how X repeats the key that is still held
+    CHECK(!live());
+    for (int i = 0; i < 100; ++i) {
+      key.take_key(GLFW_KEY_END, GLFW_REPEAT);
+      CHECK(!live());
+    }
+    key.take_key(GLFW_KEY_END, GLFW_RELEASE);
+    CHECK(!live());
+    key.take_key(GLFW_KEY_END, GLFW_PRESS);
+    CHECK(live());
+  }
+}
+
+TEST_CASE("a hang in which the window loses the keyboard and regains it with the key held lights nothing up") {
+  HeldKey key(kHoldKey);
+  OutputFeed feed(std::vector<Universe>{1});
+  feed.need_hold(true);
+  feed.hold(0, key.held());
+  key.take_key(GLFW_KEY_END, GLFW_RELEASE);
+  key.take_key(GLFW_KEY_END, GLFW_PRESS);
+  feed.hold(kNsPerMs, key.held());
+  CHECK(feed.darkness() == Darkness::kNone);
+  // All of it comes in the turn after the hang.
+  key.take_focus(false);
+  key.take_key(GLFW_KEY_END, GLFW_RELEASE);
+  key.take_focus(true);
+  key.take_key(GLFW_KEY_END, GLFW_PRESS);
+  for (int turn = 0; turn < 3; ++turn) {
+    feed.hold(kNsPerS + turn * kNsPerMs, key.held());
+    CHECK(feed.darkness() == Darkness::kNotHeld);
+    key.take_key(GLFW_KEY_END, GLFW_REPEAT);
   }
 }
 

@@ -35,7 +35,14 @@ void KeyPresses::take_character(unsigned int character) {
 }
 
 void HeldKey::take_key(int key, int action) {
-  if (key == key_ && action != GLFW_REPEAT) held_ = action == GLFW_PRESS;
+  if (key != key_ || !focused_) return;
+  if (action == GLFW_RELEASE) state_ = State::kUp;
+  if (action == GLFW_PRESS && state_ == State::kUp) state_ = State::kDown;
+}
+
+void HeldKey::take_focus(bool focused) {
+  focused_ = focused;
+  let_go();
 }
 
 void KeyTaps::take_key(int key, int action) {

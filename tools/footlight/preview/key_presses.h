@@ -36,20 +36,28 @@ class KeyPresses {
   bool repeated_ = false;
 };
 
-// Whether one key is held, for what may go on only while somebody holds it. In doubt it is not held: let_go() is for
-// a window that lost the keyboard or is iconified, after which no release is reported.
+// Whether one key is held, for what may go on only while somebody holds it. In doubt it is not held.
+//
+// After a loss of the keyboard, or at the start, nobody knows whether the key is down, and X repeats a key that is down
+// into the window that gets the keyboard as a press of its own. So a press counts only after a release that the window
+// has seen while it has the keyboard.
 class HeldKey {
  public:
   // A GLFW_KEY_..., wherever the layout of the keyboard has it.
   explicit HeldKey(int key) : key_(key) {}
   // As GLFW's callback gives them. A repeat presses nothing.
   void take_key(int key, int action);
-  void let_go() { held_ = false; }
-  [[nodiscard]] bool held() const { return held_; }
+  // As GLFW's callback gives it. GLFW makes up releases of all keys after it: they count only while focused.
+  void take_focus(bool focused);
+  // The key has to go up and down again: for a window that is iconified.
+  void let_go() { state_ = State::kUnknown; }
+  [[nodiscard]] bool held() const { return state_ == State::kDown; }
 
  private:
+  enum class State { kUnknown, kUp, kDown };
   int key_;
-  bool held_ = false;
+  State state_ = State::kUnknown;
+  bool focused_ = true;  // until a callback says otherwise
 };
 
 // Keys for fields of text, which look at each picture whether a key is down: one that was pressed and released between

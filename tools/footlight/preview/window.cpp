@@ -439,7 +439,7 @@ void Window::on_iconify(GLFWwindow* window, int) {
 }
 
 void Window::on_focus(GLFWwindow* window, int focused) {
-  if (focused != GLFW_TRUE) static_cast<Window*>(glfwGetWindowUserPointer(window))->live_key_.let_go();
+  static_cast<Window*>(glfwGetWindowUserPointer(window))->live_key_.take_focus(focused == GLFW_TRUE);
 }
 
 PixelRect Window::rect() const {
