@@ -168,6 +168,18 @@ TEST_CASE("clicks anywhere in the panel arm nothing: a question comes, whose but
   CHECK(!Ui::asks());
 }
 
+TEST_CASE("with a dead man's switch the question says that lamps get levels only while its key is held") {
+  for (const bool holds : {false, true}) {
+    OutputsView view = two_outputs();
+    view.needs_hold = holds;
+    Ui ui(&view);
+    REQUIRE(ui.click_over(Ui::body(), false, [] { return Ui::asks(); }));
+    const std::string words = ui.words();
+    CHECK(has(words, "at once") != view.needs_hold);
+    CHECK(has(words, "Real lamps get zeros, and while End is held") == view.needs_hold);
+  }
+}
+
 TEST_CASE("a panel that is closed takes its question along, and arms nothing when it is back") {
   OutputsView view = two_outputs();
   Ui ui(&view);

@@ -246,6 +246,10 @@ TEST_CASE("each channel has the name of who sets it: a sender, the user, locate,
   CHECK(source_of_channel(ui.desk, ui.input(), pan).brief == "Console A + Console C");
   status.universes[0].slot_senders.assign(kSlotCountMax, 0);
   CHECK(source_of_channel(ui.desk, ui.input(), pan).brief == "no sender");
+  const std::vector<SenderStatus> senders = std::exchange(status.universes[0].senders, {});
+  status.universes[0].rate_hz = 0;
+  CHECK(source_of_channel(ui.desk, ui.input(), pan).words == "no sender");
+  status.universes[0].senders = senders;
   status.universes[0].senders.pop_back();
   status.universes[0].slot_senders.clear();
   ui.stamps[0].stamp_ns = ui.now_ns - 3 * kNsPerS;

@@ -288,6 +288,33 @@ TEST_CASE("levels are drawn as bars, until the grid is frozen") {
   CHECK(frozen);
 }
 
+TEST_CASE("Ctrl+A selects what the filter of the open patch lists, and all fixtures once the patch is closed") {
+  auto some = parsed_rig(kUiRig);
+  some.fixtures[1].patched = false;
+  const auto rig = compiled_rig(std::move(some));
+  HeadlessUi ui(rig);
+  ui.show(kFixtures);
+  const auto& selection = ui.desk.state().selection;
+  ui.desk.select_all();
+  CHECK(selection.fixtures.size() == rig.rig.fixtures.size());
+  bool filtered = false;
+  for (float y = 30; y < 700 && !filtered; y += 8) {  // the box of those without an address
+    for (float x = 200; x < 1000 && !filtered; x += 12) {
+      ui.click(x, y);
+      ui.frame();
+      filtered = ui.desk.lists_some();
+    }
+  }
+  REQUIRE(filtered);
+  ui.desk.select_all();
+  CHECK(selection.fixtures == std::vector<int>{1});
+  CHECK(selection.lead == 1);
+  ui.open.set_open(kFixtures, false, ui.desk);
+  ui.frame();
+  ui.desk.select_all();
+  CHECK(selection.fixtures.size() == rig.rig.fixtures.size());
+}
+
 TEST_CASE("rows of the patch select: a click one, Ctrl another one, Shift all between") {
   const auto rig = many_fixtures(200);
   HeadlessUi ui(rig);

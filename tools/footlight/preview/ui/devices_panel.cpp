@@ -494,9 +494,17 @@ class DevicesPanel final : public Panel {
     const auto lit =
         std::count_if(input.levels.begin(), input.levels.end(), [](std::uint8_t level) { return level > 0; });
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
-    ui_text(trf_n("Real lamps get the levels of the picture at once, and move: {} slot of the rig is above zero.",
-                  "Real lamps get the levels of the picture at once, and move: {} slots of the rig are above zero.",
-                  lit, lit));
+    if (outputs.needs_hold) {
+      ui_text(trf_n("Real lamps get zeros, and while {} is held the levels of the picture: {} slot of the rig is above "
+                    "zero.",
+                    "Real lamps get zeros, and while {} is held the levels of the picture: {} slots of the rig are "
+                    "above zero.",
+                    lit, tr(kHoldKeyName), lit));
+    } else {
+      ui_text(trf_n("Real lamps get the levels of the picture at once, and move: {} slot of the rig is above zero.",
+                    "Real lamps get the levels of the picture at once, and move: {} slots of the rig are above zero.",
+                    lit, lit));
+    }
     if (input.inputs != nullptr && !input.inputs->made_up.empty()) {
       ui_text(kUiRed, trf("A made-up input moves them: {}.", input.inputs->made_up.front()));
     }

@@ -55,6 +55,7 @@ class FixturesPanel final : public Panel {
     if (read_count_ != desk.shown_count()) read(desk);
     if (const auto asked = desk.take_asked_field()) wanted_ = asked;
     draw_head(desk, input);
+    tell_listed(desk);
     draw_table(desk, input);
     // Edits come last, since the rows are then those of the rig from before.
     if (const auto field = std::exchange(wanted_, std::nullopt); field && !desk.selected().empty()) {
@@ -94,6 +95,14 @@ class FixturesPanel final : public Panel {
     only_conflicts_ = only_conflicts_ && conflict_count_ > 0;
     only_unpatched_ = only_unpatched_ && unpatched_count_ > 0;
     filter(desk);
+  }
+
+  // Ctrl+A selects no fixture that the filter hides.
+  void tell_listed(UiDesk& desk) const {
+    if (filter_[0] == 0 && !only_conflicts_ && !only_unpatched_) return;
+    std::vector<int> listed;
+    for (const int row : shown_) listed.push_back(row_at(row).fixture);
+    desk.list(std::move(listed));
   }
 
   [[nodiscard]] static bool is_patched(const UiDesk& desk, const fixtures::PatchRow& row) {

@@ -17,7 +17,7 @@ void add_senders(const UiInput& input, Universe universe, std::optional<std::siz
   std::string brief;
   std::string words;
   for (const UniverseStatus& one : input.status->universes) {
-    if (one.universe != universe) continue;
+    if (one.universe != universe || one.senders.empty()) continue;
     std::size_t losers = 0;
     std::size_t others = 0;  // that set other slots
     const bool by_slot = slot && *slot < one.slot_senders.size();
@@ -34,7 +34,7 @@ void add_senders(const UiInput& input, Universe universe, std::optional<std::siz
       brief += (brief.empty() ? "" : " + ") + sender.name;
       words += (words.empty() ? "" : " + ") + trf("{} (priority {})", sender.name, sender.priority);
     }
-    if (words.empty() && others > 0) brief = words = tr("no sender");
+    if (words.empty()) brief = words = tr("no sender");
     if (losers > 0) words += trf(", {} outranked", losers);
     if (others > 0) words += trf_n(", {} sets other slots", ", {} set other slots", others, others);
     words += fmt::format("  {:.0f} /s", one.rate_hz);
@@ -65,6 +65,7 @@ LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::si
   source.age_ns = std::max<DurationNs>(input.now_ns - stamp.stamp_ns, 0);
   add_senders(input, universes[universe], slot, source);
   source.rarely = source.words.starts_with("by hand (") || source.words.starts_with("blackout (");
+  if (source.words.empty() && input.status != nullptr) source.brief = source.words = tr("no sender");
   source.silent = source.age_ns >= kSilentNs && !source.rarely;
   return source;
 }

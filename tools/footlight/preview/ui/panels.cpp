@@ -133,6 +133,7 @@ Status UiPanels::open_words(std::string_view words, UiDesk& desk) {
 }
 
 void UiPanels::draw(UiDesk& desk, const UiInput& input, float stage_width, float stage_height) {
+  desk.list({});
   for (std::size_t i = 0; i < open_.size(); ++i) {
     if (!open_[i]) continue;
     const PanelInfo& info = kPanels[i];

@@ -22,13 +22,23 @@ ActionNews set_tone(UiDesk& desk, int index) {
   return {trf("tone curve {}", render::word_of(look.tone)), false};
 }
 
+std::optional<ActionNews> select_all(UiDesk& desk) {
+  desk.select_all();
+  if (!desk.lists_some()) return ActionNews{};
+  const std::size_t all = desk.rig().fixtures.size();
+  return ActionNews{trf_n("selected {} of {} fixture, which the filter lists",
+                          "selected {} of {} fixtures, which the filter lists", all,
+                          desk.state().selection.fixtures.size(), all),
+                    false};
+}
+
 }  // namespace
 
 std::optional<ActionNews> run_on_desk(UiDesk& desk, const UiCall& call) {
   switch (call.action) {
     case UiAction::kDelete: return ActionNews{delete_selected(desk), false};
     case UiAction::kUnpatch: return ActionNews{unpatch_selected(desk), false};
-    case UiAction::kSelectAll: desk.select_all(); break;
+    case UiAction::kSelectAll: return select_all(desk);
     case UiAction::kHandles: return show_handles(desk);
     case UiAction::kNudge:
       return ActionNews{nudge_selected(desk, nudge_axis(call.argument), nudge_sign(call.argument) * kNudgeM), true};

@@ -182,6 +182,15 @@ void UiDesk::select(int fixture, bool add) {
 
 void UiDesk::select_all() {
   Selection all;
+  if (listed_) {
+    for (const int fixture : *listed_) {  // as of the last turn, so an edit may have taken some away
+      if (static_cast<std::size_t>(fixture) < rig_->fixtures.size()) all.fixtures.push_back(fixture);
+    }
+    std::sort(all.fixtures.begin(), all.fixtures.end());
+    if (!all.fixtures.empty()) all.lead = all.has(state_.selection.lead) ? state_.selection.lead : all.fixtures[0];
+    select(std::move(all));
+    return;
+  }
   all.fixtures.resize(rig_->fixtures.size());
   std::iota(all.fixtures.begin(), all.fixtures.end(), 0);
   all.lead = state_.selection.lead >= 0 ? state_.selection.lead : all.fixtures.empty() ? -1 : 0;

@@ -157,7 +157,11 @@ class UiDesk {
   // As a click in a list does: `add` (Ctrl) adds or removes, else replaces. -1: nothing, so all stays with `add`.
   void select(int fixture, bool add);
   void select(Selection selection) { run(SelectFixtures{std::move(selection), {}}); }
+  // Those that are listed, or all.
   void select_all();
+  // Fixtures that a filter leaves in a list that is shown; nullopt: no filter. Each turn.
+  void list(std::optional<std::vector<int>> fixtures) { listed_ = std::move(fixtures); }
+  [[nodiscard]] bool lists_some() const { return listed_.has_value(); }
   // Fixtures whose name matches, with * for any text.
   void select_named(std::string_view pattern);
 
@@ -259,6 +263,7 @@ class UiDesk {
   int views_ = 1;
   StageMeasure measure_;
   LevelComparison comparison_;
+  std::optional<std::vector<int>> listed_;
   bool pauses_ = false;
 };
 
