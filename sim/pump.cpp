@@ -798,7 +798,7 @@ void Pump::fill_slot_senders(UniverseStatus& universe, int index, std::span<cons
   universe.slot_senders.resize(of_merge.size());
   for (std::size_t slot = 0; slot < of_merge.size(); ++slot) {
     unsigned bits = 0;
-    for (std::size_t k = 0; k < order.size(); ++k) bits |= (of_merge[slot] >> order[k] & 1u) << k;
+    for (std::size_t k = 0; k < order.size(); ++k) bits |= (unsigned{of_merge[slot]} >> order[k] & 1u) << k;
     universe.slot_senders[slot] = static_cast<std::uint8_t>(bits);
   }
 }
