@@ -118,7 +118,13 @@ ivec2 wide_side(ivec2 a, ivec2 d, ivec2 p) {
   uint low = usubBorrow(uint(low_x), uint(low_y), borrow);
   return ivec2(high_x - high_y - int(borrow), int(low));
 }
-float wide_float(ivec2 v) { return float(v.x) * 4294967296.0 + float(uint(v.y)); }
+// From the amount, since the low word of a small negative number is nearly 2^32.
+float wide_float(ivec2 v) {
+  uvec2 amount = uvec2(v);
+  if (v.x < 0) amount = uvec2(~amount.x + (amount.y == 0u ? 1u : 0u), ~amount.y + 1u);
+  float size = float(amount.x) * 4294967296.0 + float(amount.y);
+  return v.x < 0 ? -size : size;
+}
 
 // Three numbers that are linear in the picture, all 0 or more in the triangle, and whose weighted sum is the depth
 // there: at the middle of the pixel `origin`, and what they change by a pixel. NaN: it covers nothing.
