@@ -8,7 +8,6 @@
 
 #include "fixtures/bodies/body.h"
 #include "fixtures/bodies/levels.h"
-#include "fixtures/bodies/tree.h"
 #include "render/texture_tables.h"
 
 namespace footlight::render {
@@ -188,8 +187,6 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
                    SheenTable& sheens) {
   static_assert(fixtures::kBodyLevelsMax == FL_BODY_LEVELS);
   static_assert(sizeof(fixtures::BodyVertex) == sizeof(BodyVertexRow));
-  static_assert(sizeof(fixtures::TreeNode) == sizeof(TreeRow));
-  static_assert(fixtures::kTreeCountBits == FL_TREE_COUNT_BITS && fixtures::kNoTree == FL_NONE);
   std::vector<fixtures::BodyVertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<BodySlotRow> slots;
@@ -231,7 +228,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
       slots.push_back(
           {head, static_cast<std::uint32_t>(meshes.size()), static_cast<std::uint32_t>(r.body_triangles), 0});
       r.body_triangles += triangles;
-      rounds += (triangles + FL_ROUND_TRIANGLES - 1) / FL_ROUND_TRIANGLES;
+      rounds += (triangles + FL_GROUP_TRIANGLES - 1) / FL_GROUP_TRIANGLES;
     }
     meshes.push_back(mesh);
   }

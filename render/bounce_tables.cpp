@@ -307,6 +307,7 @@ Status make_bounce_tables(vk::Device& device, const MemoryShape& shape, RigTable
   std::copy_n(reinterpret_cast<const std::byte*>(&scene.grid), sizeof(BounceGrid), grid.data());
   const auto probes = std::as_bytes(std::span(scene.probes));
   std::copy(probes.begin(), probes.end(), grid.begin() + sizeof(BounceGrid));
+  static_assert(fixtures::kTreeCountBits == FL_TREE_COUNT_BITS && fixtures::kNoTree == FL_NONE);
   std::vector<TreeRow> tree;
   for (const fixtures::TreeNode& node : scene.tree) {
     tree.push_back(

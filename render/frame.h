@@ -42,9 +42,9 @@ inline constexpr std::size_t kStepBytesHeldMax = std::size_t{64} << 20;
 
 // What a picture draws of the bodies of fixtures.
 struct BodyCounts {
-  std::uint64_t bodies = 0;           // of the rig
+  std::uint64_t bodies = 0;            // of the rig
   std::uint64_t drawn = 0;
-  std::uint64_t triangles = 0;        // of the whole models of all bodies
+  std::uint64_t triangles = 0;         // of the whole models of all bodies
   std::uint64_t drawn_triangles = 0;   // of the levels that are drawn
   std::uint64_t object_triangles = 0;  // of the scene, all drawn
 };
@@ -212,8 +212,8 @@ class Frame {
   void upload_newest(VkCommandBuffer commands);
   void record_steps(VkCommandBuffer commands, bool timed);
   void record_levels(VkCommandBuffer commands);
-  // mirror: `view` is that of its camera; null: of the frame's own.
   void upload_haze(VkCommandBuffer commands, const View& view, const PlumeField& plumes);
+  // mirror: `view` is that of its camera; null: of the frame's own.
   void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev, const Mirror* mirror = nullptr);
   void record_passes(VkCommandBuffer commands, bool before_views);
   void mark(VkCommandBuffer commands, std::string_view ended);

@@ -42,6 +42,12 @@ struct PassContext {
          context.constants.end();
 }
 
+// The constants of a pass that reads the table of haze. With plumes that has slopes, and the pass a constant more.
+[[nodiscard]] inline std::vector<vk::SpecConstant> with_plumes(bool plumes, std::vector<vk::SpecConstant> constants) {
+  if (plumes) constants.push_back({FL_SPEC_PLUMES, 1});
+  return constants;
+}
+
 // An entry in the list of the frame. needed() and constants() are pure: tests call them without a device.
 struct PassEntry {
   const char* name;
@@ -182,11 +188,12 @@ struct PassEntry {
 [[nodiscard]] inline bool has_sheen(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.sheen && has_solids(needs, settings);
 }
-// Whether the camera's lens scatters light.
+// Whether what is out of the camera's focus is blurred.
 [[nodiscard]] inline bool has_depth_of_field(const fixtures::Needs& needs, const FrameSettings& settings) {
   return settings.f_stop > 0 && settings.view == FrameView::kPicture &&
          has_solids(needs, settings);  // other light has no distance
 }
+// Whether the camera's lens scatters light.
 [[nodiscard]] inline bool has_glare(const fixtures::Needs& needs, const FrameSettings& settings) {
   return settings.glare > 0 && settings.view == FrameView::kPicture &&
          (has_air(needs, settings) || needs.panes || needs.displays || has_solids(needs, settings));

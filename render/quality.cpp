@@ -17,6 +17,15 @@ constexpr double kAfterUp = 0.75;
 constexpr double kOver = 1.05;         // of the budget: more than that is above it
 constexpr std::size_t kFirstOnes = 2;  // pictures after a change that do not count
 
+const char* word_of(TriangleMethod method) {
+  switch (method) {
+    case TriangleMethod::kRasteriser: return "rasteriser";
+    case TriangleMethod::kCompute: return "compute";
+    case TriangleMethod::kSuited: break;
+  }
+  return "suited";
+}
+
 const char* word_of(GoboMethod method) {
   switch (method) {
     case GoboMethod::kMidpoints: return "midpoints";
@@ -102,17 +111,6 @@ std::string text_of(const Knobs& knobs) {
   if (knobs.divisor > 1) text += fmt::format(", 1/{} of the resolution", knobs.divisor);
   return text;
 }
-
-namespace {
-std::string_view word_of(TriangleMethod method) {
-  switch (method) {
-    case TriangleMethod::kSuited: return "suited";
-    case TriangleMethod::kRasteriser: return "rasteriser";
-    case TriangleMethod::kCompute: return "compute";
-  }
-  return "";
-}
-}  // namespace
 
 std::string json_of(const FrameSettings& settings, std::string_view version, double error) {
   return fmt::format(

@@ -172,11 +172,6 @@ std::uint32_t lavapipe_beams_max(const MemoryShape& shape) {
 // A ray through the light of a display nearby takes some 2,400 rounds.
 constexpr std::size_t kLavapipeDisplays = 24;
 
-std::uint64_t blur_tile_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
-  const auto tiles = [](int size_px) { return static_cast<std::uint64_t>((size_px + FL_TILE_PX - 1) / FL_TILE_PX); };
-  return has_depth_of_field(needs, settings) ? tiles(settings.width) * tiles(settings.height) * sizeof(float) : 0;
-}
-
 std::uint64_t haze_bytes(const fixtures::Needs& needs) {
   const std::uint64_t plumes = sizeof(f32::HazePlumes) + FL_PUFFS_MAX * sizeof(f32::HazePuff);
   return uneven_haze(needs) ? sizeof(f32::HazeField) + (needs.plumes ? plumes : 0) : 0;
@@ -285,6 +280,11 @@ std::uint64_t fine_mask_bytes(const FrameSettings& settings, std::uint32_t mask_
 
 std::uint64_t shade_word_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
   return used ? fine_mask_bytes(settings, mask_words, true) / 4 * sizeof(ShadowWordRow) : sizeof(ShadowWordRow);
+}
+
+std::uint64_t blur_tile_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  if (!has_depth_of_field(needs, settings)) return 0;
+  return sizeof(float) * std::uint64_t{cells(settings.width, FL_TILE_PX)} * cells(settings.height, FL_TILE_PX);
 }
 
 std::uint64_t pixel_words(const FrameSettings& settings) {

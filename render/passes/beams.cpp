@@ -15,33 +15,31 @@ const PassEntry kBeamsPass{
     "beams",
     has_air,
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      std::vector<vk::SpecConstant> constants = {
-          {FL_SPEC_GOBO, needs.gobo},
-          {FL_SPEC_EXTINCTION, needs.extinction},
-          {FL_SPEC_PROFILE, needs.profile},
-          {FL_SPEC_METHOD, static_cast<uint>(settings.method)},
-          {FL_SPEC_NODES, settings.nodes},
-          {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
-          {FL_SPEC_BOXES, needs.surfaces},
-          {FL_SPEC_BODIES, has_bodies(needs, settings)},
-          {FL_SPEC_BLADES, needs.blades},
-          {FL_SPEC_FOCUS, needs.focus},
-          {FL_SPEC_ANIMATION, needs.animation},
-          {FL_SPEC_MEASURED, needs.measured},
-          {FL_SPEC_RECTANGLE, needs.rectangle},
-          {FL_SPEC_TILES, has_tile_classes(needs, settings)},
-          {FL_SPEC_WIDE, needs.wide},
-          {FL_SPEC_IRIS, needs.iris},
-          {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
-          {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
-          {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
-          {FL_SPEC_HAZE, uneven_haze(needs)},
-          {FL_SPEC_GLOSS, has_gloss(needs, settings)},
-          {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)},
-          {FL_SPEC_GOBO_METHOD,
-           settings.gobo_method == GoboMethod::kSuited ? FL_GOBO_TABLES : static_cast<uint>(settings.gobo_method)}};
-      if (needs.plumes) constants.push_back({FL_SPEC_PLUMES, 1});
-      return constants;
+      return with_plumes(needs.plumes, {{FL_SPEC_GOBO, needs.gobo},
+                                        {FL_SPEC_EXTINCTION, needs.extinction},
+                                        {FL_SPEC_PROFILE, needs.profile},
+                                        {FL_SPEC_METHOD, static_cast<uint>(settings.method)},
+                                        {FL_SPEC_NODES, settings.nodes},
+                                        {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
+                                        {FL_SPEC_BOXES, needs.surfaces},
+                                        {FL_SPEC_BODIES, has_bodies(needs, settings)},
+                                        {FL_SPEC_BLADES, needs.blades},
+                                        {FL_SPEC_FOCUS, needs.focus},
+                                        {FL_SPEC_ANIMATION, needs.animation},
+                                        {FL_SPEC_MEASURED, needs.measured},
+                                        {FL_SPEC_RECTANGLE, needs.rectangle},
+                                        {FL_SPEC_TILES, has_tile_classes(needs, settings)},
+                                        {FL_SPEC_WIDE, needs.wide},
+                                        {FL_SPEC_IRIS, needs.iris},
+                                        {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
+                                        {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
+                                        {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
+                                        {FL_SPEC_HAZE, uneven_haze(needs)},
+                                        {FL_SPEC_GLOSS, has_gloss(needs, settings)},
+                                        {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)},
+                                        {FL_SPEC_GOBO_METHOD, settings.gobo_method == GoboMethod::kSuited
+                                                                  ? FL_GOBO_TABLES
+                                                                  : static_cast<uint>(settings.gobo_method)}});
     },
     [](const PassContext& context) {
       const bool haze = has_constant(context, FL_SPEC_HAZE);

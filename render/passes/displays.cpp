@@ -92,19 +92,18 @@ const PassEntry kDisplaysPass{
     "displays",
     has_displays,
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return std::vector<vk::SpecConstant>{
-          {FL_SPEC_EXTINCTION, needs.extinction},
-          {FL_SPEC_BOXES, needs.surfaces},
-          {FL_SPEC_BODIES, has_bodies(needs, settings)},
-          {FL_SPEC_SHEEN, has_sheen(needs, settings)},
-          {FL_SPEC_AIR, has_displays_in_air(needs, settings)},
-          // Frames that are compared with the judge, which takes rays and no pixels, have whole images.
-          {FL_SPEC_DETAIL, settings.widen_thin},
-          {FL_SPEC_GLOSS, has_gloss(needs, settings)},
-          {FL_SPEC_TILES, has_display_records(needs, settings)},
-          {FL_SPEC_HAZE, has_displays_in_air(needs, settings) && has_haze_field(needs, settings)},
-          {FL_SPEC_PLUMES, needs.plumes && has_displays_in_air(needs, settings)},
-          {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
+      return with_plumes(needs.plumes && has_displays_in_air(needs, settings),
+                         {{FL_SPEC_EXTINCTION, needs.extinction},
+                          {FL_SPEC_BOXES, needs.surfaces},
+                          {FL_SPEC_BODIES, has_bodies(needs, settings)},
+                          {FL_SPEC_SHEEN, has_sheen(needs, settings)},
+                          {FL_SPEC_AIR, has_displays_in_air(needs, settings)},
+                          // Frames that are compared with the judge, which takes rays and no pixels, have whole images.
+                          {FL_SPEC_DETAIL, settings.widen_thin},
+                          {FL_SPEC_GLOSS, has_gloss(needs, settings)},
+                          {FL_SPEC_TILES, has_display_records(needs, settings)},
+                          {FL_SPEC_HAZE, has_displays_in_air(needs, settings) && has_haze_field(needs, settings)},
+                          {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}});
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       const bool haze = has_constant(context, FL_SPEC_HAZE), records = has_constant(context, FL_SPEC_TILES);

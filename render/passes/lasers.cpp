@@ -65,16 +65,15 @@ const PassEntry kLasersPass{
     "lasers",
     has_lasers,
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return std::vector<vk::SpecConstant>{{FL_SPEC_EXTINCTION, needs.extinction},
-                                           {FL_SPEC_BOXES, needs.surfaces},
-                                           {FL_SPEC_BODIES, has_bodies(needs, settings)},
-                                           {FL_SPEC_SHEEN, has_sheen(needs, settings)},
-                                           {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
-                                           {FL_SPEC_LASER, has_air(needs, settings)},
-                                           {FL_SPEC_TILES, settings.tile_error > 0},
-                                           {FL_SPEC_HAZE, has_haze_field(needs, settings)},
-                                           {FL_SPEC_PLUMES, needs.plumes},
-                                           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
+      return with_plumes(needs.plumes, {{FL_SPEC_EXTINCTION, needs.extinction},
+                                        {FL_SPEC_BOXES, needs.surfaces},
+                                        {FL_SPEC_BODIES, has_bodies(needs, settings)},
+                                        {FL_SPEC_SHEEN, has_sheen(needs, settings)},
+                                        {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
+                                        {FL_SPEC_LASER, has_air(needs, settings)},
+                                        {FL_SPEC_TILES, settings.tile_error > 0},
+                                        {FL_SPEC_HAZE, has_haze_field(needs, settings)},
+                                        {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}});
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       const bool haze = has_constant(context, FL_SPEC_HAZE);

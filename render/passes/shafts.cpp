@@ -60,19 +60,18 @@ const PassEntry kShaftsPass{
     "shafts",
     has_shafts,
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return std::vector<vk::SpecConstant>{
-          {FL_SPEC_EXTINCTION, needs.extinction},
-          {FL_SPEC_BOXES, needs.surfaces},
-          {FL_SPEC_BODIES, has_bodies(needs, settings)},
-          {FL_SPEC_SHEEN, has_sheen(needs, settings)},
-          {FL_SPEC_SHADOWS, has_shafts_shadowed(needs, settings)},
-          {FL_SPEC_AIR, has_shafts_in_air(needs, settings)},
-          // Frames that are compared with the judge, which takes rays and no pixels, have whole images.
-          {FL_SPEC_DETAIL, settings.widen_thin},
-          {FL_SPEC_TILES, settings.tile_error > 0 && settings.view == FrameView::kPicture},
-          {FL_SPEC_HAZE, has_shafts_in_air(needs, settings) && has_haze_field(needs, settings)},
-          {FL_SPEC_PLUMES, needs.plumes && has_shafts_in_air(needs, settings)},
-          {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
+      return with_plumes(needs.plumes && has_shafts_in_air(needs, settings),
+                         {{FL_SPEC_EXTINCTION, needs.extinction},
+                          {FL_SPEC_BOXES, needs.surfaces},
+                          {FL_SPEC_BODIES, has_bodies(needs, settings)},
+                          {FL_SPEC_SHEEN, has_sheen(needs, settings)},
+                          {FL_SPEC_SHADOWS, has_shafts_shadowed(needs, settings)},
+                          {FL_SPEC_AIR, has_shafts_in_air(needs, settings)},
+                          // Frames that are compared with the judge, which takes rays and no pixels, have whole images.
+                          {FL_SPEC_DETAIL, settings.widen_thin},
+                          {FL_SPEC_TILES, settings.tile_error > 0 && settings.view == FrameView::kPicture},
+                          {FL_SPEC_HAZE, has_shafts_in_air(needs, settings) && has_haze_field(needs, settings)},
+                          {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}});
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       const bool haze = has_constant(context, FL_SPEC_HAZE);

@@ -11,23 +11,20 @@ namespace footlight::render {
 
 [[nodiscard]] inline std::vector<vk::SpecConstant> tile_class_constants(const fixtures::Needs& needs,
                                                                         const FrameSettings& settings) {
-  std::vector<vk::SpecConstant> constants = {
-      {FL_SPEC_EXTINCTION, needs.extinction},
-      {FL_SPEC_PROFILE, needs.profile},
-      {FL_SPEC_NODES, settings.nodes > 3 ? 5u : 3u},  // tile_node() has these two rules
-      {FL_SPEC_BOXES, needs.surfaces},
-      {FL_SPEC_BODIES, has_bodies(needs, settings)},
-      {FL_SPEC_MEASURED, needs.measured},
-      {FL_SPEC_RECTANGLE, needs.rectangle},
-      {FL_SPEC_WIDE, needs.wide},
-      {FL_SPEC_IRIS, needs.iris},
-      {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
-      {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
-      {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
-      {FL_SPEC_HAZE, uneven_haze(needs)},
-      {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
-  if (needs.plumes) constants.push_back({FL_SPEC_PLUMES, 1});
-  return constants;
+  return with_plumes(needs.plumes, {{FL_SPEC_EXTINCTION, needs.extinction},
+                                    {FL_SPEC_PROFILE, needs.profile},
+                                    {FL_SPEC_NODES, settings.nodes > 3 ? 5u : 3u},  // tile_node() has these two rules
+                                    {FL_SPEC_BOXES, needs.surfaces},
+                                    {FL_SPEC_BODIES, has_bodies(needs, settings)},
+                                    {FL_SPEC_MEASURED, needs.measured},
+                                    {FL_SPEC_RECTANGLE, needs.rectangle},
+                                    {FL_SPEC_WIDE, needs.wide},
+                                    {FL_SPEC_IRIS, needs.iris},
+                                    {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
+                                    {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
+                                    {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
+                                    {FL_SPEC_HAZE, uneven_haze(needs)},
+                                    {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}});
 }
 
 // A pass of teams (render/shaders/lib/tile_team.glsl), whose size follows the device's subgroups.

@@ -58,7 +58,7 @@ class DrawnTriangles {
       vkCmdDispatchIndirect(commands, rig.body_rounds.handle, 0);
     }
     if (objects_.pipeline) {
-      const std::uint32_t groups = groups_of(static_cast<std::uint32_t>(rig.object_triangles), FL_ROUND_TRIANGLES);
+      const std::uint32_t groups = groups_of(static_cast<std::uint32_t>(rig.object_triangles), FL_GROUP_TRIANGLES);
       const std::uint32_t x = std::min<std::uint32_t>(groups, FL_SLOTS_X);
       objects_.bind(commands);
       push_rows(commands, objects_, rows);

@@ -1,5 +1,5 @@
 #version 460
-// Draws bodies, a workgroup for each FL_ROUND_TRIANGLES triangles of a body (place.comp), a thread a triangle. Of
+// Draws bodies, a workgroup for each FL_GROUP_TRIANGLES triangles of a body (place.comp), a thread a triangle. Of
 // pixels a first pass finds the nearest depth, a second the first triangle at that depth: the picture does not depend
 // on the order of threads. The rasteriser itself takes 1 ns a triangle on an H200, where a thirtieth of the GPU serves
 // it. FL_DRAWS_EDGES: draws the samples of pixels with an edge.

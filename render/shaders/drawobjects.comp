@@ -1,5 +1,5 @@
 #version 460
-// Draws the objects of the scene, a workgroup for each FL_ROUND_TRIANGLES triangles. FL_DRAWS_EDGES: as
+// Draws the objects of the scene, a workgroup for each FL_GROUP_TRIANGLES triangles. FL_DRAWS_EDGES: as
 // drawbodies.comp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -22,7 +22,7 @@ layout(local_size_x = FL_GROUP_TRIANGLES) in;
 
 void main() {
   BodyLevelRow level = levels[params.object_level];
-  uint base = (gl_WorkGroupID.y * FL_SLOTS_X + gl_WorkGroupID.x) * FL_ROUND_TRIANGLES;
+  uint base = (gl_WorkGroupID.y * FL_SLOTS_X + gl_WorkGroupID.x) * FL_GROUP_TRIANGLES;
   if (base >= level.index_count / 3u) return;
   begin_space(FL_NONE);
   barrier();

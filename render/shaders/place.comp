@@ -17,11 +17,11 @@ layout(set = 0, binding = FL_BINDING_BODY_ROUNDS, std430) buffer RoundsBuffer {
 
 // Asks for the workgroups that draw it.
 void add_rounds(uint slot, uint triangles) {
-  uint count = (triangles + FL_ROUND_TRIANGLES - 1u) / FL_ROUND_TRIANGLES;
+  uint count = (triangles + FL_GROUP_TRIANGLES - 1u) / FL_GROUP_TRIANGLES;
   uint first = atomicAdd(rounds_head.count, count);
   atomicMax(rounds_head.groups_x, min(first + count, uint(FL_ROUNDS_X)));
   atomicMax(rounds_head.groups_y, (first + count + FL_ROUNDS_X - 1u) / FL_ROUNDS_X);
-  for (uint i = 0u; i < count; ++i) rounds[first + i] = BodyRoundRow(slot, i * FL_ROUND_TRIANGLES);
+  for (uint i = 0u; i < count; ++i) rounds[first + i] = BodyRoundRow(slot, i * FL_GROUP_TRIANGLES);
 }
 
 void main() {

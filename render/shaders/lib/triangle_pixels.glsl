@@ -95,7 +95,7 @@ void draw_together(Triangle it, uint key) {
   else draw_pixels_together(it, key);
 }
 
-// Triangles that all threads draw together, of one round.
+// Triangles that all threads draw together.
 shared Triangle wide[FL_GROUP_TRIANGLES];
 shared uint wide_triangles[FL_GROUP_TRIANGLES];
 shared uint wide_count;
@@ -103,39 +103,35 @@ shared uint wide_count;
 // The part that is in a block of pixels, by all threads. number: of the triangle, among all of the rig.
 void draw_block(Triangle it, uint number, ivec2 block, uint head) { draw_together(in_block(it, block), ~number); }
 
-// Triangles `base` and on of a level, FL_ROUND_TRIANGLES at most. first_number: of its first triangle. slot: FL_NONE
-// for objects. has_wide: false where one thread may draw any of them.
+// Triangles `base` and on of a level, one a thread. first_number: of the level's first triangle. slot: FL_NONE for
+// objects. has_wide: false where one thread may draw any of them.
 void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number, uint base, bool has_wide) {
-  uint triangles = min(level.index_count / 3u, base + uint(FL_ROUND_TRIANGLES));
-  for (; base < triangles; base += FL_GROUP_TRIANGLES) {
-    if (has_wide) {
-      if (gl_LocalInvocationIndex == 0u) wide_count = 0u;
-      barrier();
+  if (has_wide) {
+    if (gl_LocalInvocationIndex == 0u) wide_count = 0u;
+    barrier();
+  }
+  uint t = base + gl_LocalInvocationIndex;
+  if (t < level.index_count / 3u) {
+    Triangle it = triangle_of(level, t);
+    if (!is_drawn(it)) {
+    } else if (!has_wide || is_drawn_alone(it)) {
+      draw_pixels(it, ~(first_number + t));
+    } else if (is_drawn_together(it) || !leave_blocks(it, slot, t)) {
+      uint at = atomicAdd(wide_count, 1u);
+      wide[at] = it;
+      wide_triangles[at] = t;
     }
-    uint t = base + gl_LocalInvocationIndex;
-    if (t < triangles) {
-      Triangle it = triangle_of(level, t);
-      if (!is_drawn(it)) {
-      } else if (!has_wide || is_drawn_alone(it)) {
-        draw_pixels(it, ~(first_number + t));
-      } else if (is_drawn_together(it) || !leave_blocks(it, slot, t)) {
-        uint at = atomicAdd(wide_count, 1u);
-        wide[at] = it;
-        wide_triangles[at] = t;
+  }
+  if (!has_wide) return;
+  barrier();
+  uint count = wide_count;
+  for (uint i = 0u; i < count; ++i) {
+    // Block by block, as drawblocks.comp does: then its depths are the same.
+    ivec2 last = wide[i].high / FL_BLOCK_PX;
+    for (ivec2 block = wide[i].low / FL_BLOCK_PX; block.y <= last.y; ++block.y) {
+      for (block.x = wide[i].low.x / FL_BLOCK_PX; block.x <= last.x; ++block.x) {
+        draw_block(wide[i], first_number + wide_triangles[i], block, head);
       }
     }
-    if (!has_wide) continue;
-    barrier();
-    uint count = wide_count;
-    for (uint i = 0u; i < count; ++i) {
-      // Block by block, as drawblocks.comp does: then its depths are the same.
-      ivec2 last = wide[i].high / FL_BLOCK_PX;
-      for (ivec2 block = wide[i].low / FL_BLOCK_PX; block.y <= last.y; ++block.y) {
-        for (block.x = wide[i].low.x / FL_BLOCK_PX; block.x <= last.x; ++block.x) {
-          draw_block(wide[i], first_number + wide_triangles[i], block, head);
-        }
-      }
-    }
-    barrier();
   }
 }

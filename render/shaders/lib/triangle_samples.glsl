@@ -255,53 +255,49 @@ void draw_block(Triangle it, uint number, ivec2 block, uint head) {
   draw_pairs();
 }
 
-shared uint wide[FL_GROUP_TRIANGLES];  // the triangles of a round that all threads look at together
+shared uint wide[FL_GROUP_TRIANGLES];  // the triangles that all threads look at together
 shared uint wide_count;
-shared ivec4 wide_blocks;  // from which block to which; of one that fits into none, its last is below its first
+shared ivec4 wide_blocks;  // from which block to which; of one that is not drawn in blocks the last is below the first
 
 void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number, uint base, bool has_wide) {
-  uint triangles = min(level.index_count / 3u, base + uint(FL_ROUND_TRIANGLES));
+  if (gl_LocalInvocationIndex == 0u) wide_count = 0u;
   begin_pairs();
-  for (; base < triangles; base += FL_GROUP_TRIANGLES) {
-    if (gl_LocalInvocationIndex == 0u) wide_count = 0u;
-    barrier();
-    uint own = gl_LocalInvocationIndex;
-    int begin = -1;
-    bool by_blocks = false;
-    Triangle it;
-    if (base + own < triangles) {
-      it = triangle_of(level, base + own);
-      if (is_drawn(it)) {
-        if (is_drawn_alone(it)) begin = 0;
-        else if (!is_drawn_together(it)) by_blocks = !leave_blocks(it, slot, base + own);
-        if (begin < 0 && (by_blocks || is_drawn_together(it))) wide[atomicAdd(wide_count, 1u)] = own;
-        begin_drawn(own, it, head);
-      }
+  uint own = gl_LocalInvocationIndex;
+  int begin = -1;
+  bool by_blocks = false;
+  Triangle it;
+  if (base + own < level.index_count / 3u) {
+    it = triangle_of(level, base + own);
+    if (is_drawn(it)) {
+      if (is_drawn_alone(it)) begin = 0;
+      else if (!is_drawn_together(it)) by_blocks = !leave_blocks(it, slot, base + own);
+      if (begin < 0 && (by_blocks || is_drawn_together(it))) wide[atomicAdd(wide_count, 1u)] = own;
+      begin_drawn(own, it, head);
     }
-    barrier();
-    gather_pairs(own, begin, 1);
-    uint count = wide_count;
-    for (uint i = 0u; i < count; ++i) {
-      if (own == wide[i]) {
-        wide_blocks = by_blocks ? ivec4(it.low / FL_BLOCK_PX, it.high / FL_BLOCK_PX) : ivec4(0, 0, -1, -1);
-      }
-      barrier();
-      ivec4 ends = wide_blocks;
-      if (ends.z < 0) {
-        gather_pairs(wide[i], int(own), FL_GROUP_TRIANGLES);
-        continue;
-      }
-      // Block by block, as drawblocks.comp does: then its depths are the same.
-      draw_pairs();
-      for (ivec2 block = ends.xy; block.y <= ends.w; ++block.y) {
-        for (block.x = ends.x; block.x <= ends.z; ++block.x) {
-          if (own == wide[i]) begin_drawn(own, in_block(it, block), head);
-          barrier();
-          gather_pairs(wide[i], int(own), FL_GROUP_TRIANGLES);
-          draw_pairs();
-        }
-      }
-    }
-    draw_pairs();
   }
+  barrier();
+  gather_pairs(own, begin, 1);
+  uint count = wide_count;
+  for (uint i = 0u; i < count; ++i) {
+    if (own == wide[i]) {
+      wide_blocks = by_blocks ? ivec4(it.low / FL_BLOCK_PX, it.high / FL_BLOCK_PX) : ivec4(0, 0, -1, -1);
+    }
+    barrier();
+    ivec4 ends = wide_blocks;
+    if (ends.z < 0) {
+      gather_pairs(wide[i], int(own), FL_GROUP_TRIANGLES);
+      continue;
+    }
+    // Block by block, as drawblocks.comp does: then its depths are the same.
+    draw_pairs();
+    for (ivec2 block = ends.xy; block.y <= ends.w; ++block.y) {
+      for (block.x = ends.x; block.x <= ends.z; ++block.x) {
+        if (own == wide[i]) begin_drawn(own, in_block(it, block), head);
+        barrier();
+        gather_pairs(wide[i], int(own), FL_GROUP_TRIANGLES);
+        draw_pairs();
+      }
+    }
+  }
+  draw_pairs();
 }

@@ -14,6 +14,9 @@
 namespace footlight::tools {
 
 inline constexpr DurationNs kFlashPauseMaxNs = 80 * kNsPerMs;
+// A picture of so few pixels is enough: four a side of each tile.
+inline constexpr int kFlashWidth = 64;
+inline constexpr int kFlashHeight = 36;
 
 // A period of harmful flashes, held back or not.
 struct FlashStretch {

@@ -6,15 +6,13 @@
 namespace footlight::tools {
 namespace {
 
-constexpr int kSmallWidth = 64;  // four pixels a side of each of FlashWatch's 16 x 9 tiles
-constexpr int kSmallHeight = 36;
-constexpr VkDeviceSize kSmallBytes = VkDeviceSize{kSmallWidth} * kSmallHeight * 4;
+constexpr VkDeviceSize kSmallBytes = VkDeviceSize{kFlashWidth} * kFlashHeight * 4;
 
 }  // namespace
 
 Result<std::unique_ptr<PreviewFlashes>> PreviewFlashes::make(render::vk::Device& device, bool limit) {
   std::unique_ptr<PreviewFlashes> made(new PreviewFlashes(limit));
-  FL_ASSIGN(made->small_, render::vk::Image::create(device, kSmallWidth, kSmallHeight, VK_FORMAT_R8G8B8A8_UNORM,
+  FL_ASSIGN(made->small_, render::vk::Image::create(device, kFlashWidth, kFlashHeight, VK_FORMAT_R8G8B8A8_UNORM,
                                                     VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                                                         VK_IMAGE_USAGE_SAMPLED_BIT));
   FL_ASSIGN(made->pixels_, render::vk::Buffer::host_visible(device, kSmallBytes, 0));
@@ -30,13 +28,13 @@ void PreviewFlashes::record_read(VkCommandBuffer commands, VkImage picture, int 
   blit.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   blit.srcOffsets[1] = {width, height, 1};
   blit.dstSubresource = blit.srcSubresource;
-  blit.dstOffsets[1] = {kSmallWidth, kSmallHeight, 1};
+  blit.dstOffsets[1] = {kFlashWidth, kFlashHeight, 1};
   vkCmdBlitImage(commands, picture, VK_IMAGE_LAYOUT_GENERAL, small_.handle, VK_IMAGE_LAYOUT_GENERAL, 1, &blit,
                  VK_FILTER_LINEAR);
   render::vk::full_barrier(commands);
   VkBufferImageCopy copy{};
   copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  copy.imageExtent = {kSmallWidth, kSmallHeight, 1};
+  copy.imageExtent = {kFlashWidth, kFlashHeight, 1};
   vkCmdCopyImageToBuffer(commands, small_.handle, VK_IMAGE_LAYOUT_GENERAL, pixels_.handle, 1, &copy);
   render::vk::host_barrier(commands);
 }
@@ -47,7 +45,7 @@ void PreviewFlashes::set_limits(bool limit) {
 }
 
 render::ScreenImage PreviewFlashes::small() const {
-  render::ScreenImage image{kSmallWidth, kSmallHeight, {}};
+  render::ScreenImage image{kFlashWidth, kFlashHeight, {}};
   image.rgba.resize(static_cast<std::size_t>(kSmallBytes));
   std::memcpy(image.rgba.data(), pixels_.mapped, image.rgba.size());
   return image;

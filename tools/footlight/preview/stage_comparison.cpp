@@ -7,20 +7,17 @@
 namespace footlight::tools {
 namespace {
 
-constexpr int kTilesWide = 64;  // as PreviewFlashes reads pictures
-constexpr int kTilesHigh = 36;
-
 // The means of rectangles of a picture.
 render::ScreenImage small_of(const HostPicture& picture) {
-  render::ScreenImage small{kTilesWide, kTilesHigh, {}};
-  small.rgba.resize(std::size_t{kTilesWide} * kTilesHigh * 4, 255);
+  render::ScreenImage small{kFlashWidth, kFlashHeight, {}};
+  small.rgba.resize(std::size_t{kFlashWidth} * kFlashHeight * 4, 255);
   const auto edge = [](int at, int of, int size) { return std::clamp(at * size / of, 0, size); };
-  for (int y = 0; y < kTilesHigh; ++y) {
-    const int top = std::min(edge(y, kTilesHigh, picture.height), picture.height - 1);
-    const int bottom = std::max(edge(y + 1, kTilesHigh, picture.height), top + 1);
-    for (int x = 0; x < kTilesWide; ++x) {
-      const int left = std::min(edge(x, kTilesWide, picture.width), picture.width - 1);
-      const int right = std::max(edge(x + 1, kTilesWide, picture.width), left + 1);
+  for (int y = 0; y < kFlashHeight; ++y) {
+    const int top = std::min(edge(y, kFlashHeight, picture.height), picture.height - 1);
+    const int bottom = std::max(edge(y + 1, kFlashHeight, picture.height), top + 1);
+    for (int x = 0; x < kFlashWidth; ++x) {
+      const int left = std::min(edge(x, kFlashWidth, picture.width), picture.width - 1);
+      const int right = std::max(edge(x + 1, kFlashWidth, picture.width), left + 1);
       std::array<std::uint64_t, 3> sum{};
       for (int row = top; row < bottom; ++row) {
         const std::uint8_t* at = picture.rgba.data() + 4 * (static_cast<std::ptrdiff_t>(row) * picture.width + left);
@@ -29,7 +26,7 @@ render::ScreenImage small_of(const HostPicture& picture) {
         }
       }
       const auto count = static_cast<std::uint64_t>((bottom - top) * (right - left));
-      std::uint8_t* const out = small.rgba.data() + 4 * (std::ptrdiff_t{y} * kTilesWide + x);
+      std::uint8_t* const out = small.rgba.data() + 4 * (std::ptrdiff_t{y} * kFlashWidth + x);
       for (std::size_t i = 0; i < 3; ++i) out[i] = static_cast<std::uint8_t>(sum[i] / count);
     }
   }

@@ -1,12 +1,12 @@
 #include "tools/footlight/preview/ui/file_list.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <iterator>
 
 #include <fmt/format.h>
 
+#include "fixtures/files/import/text.h"
 #include "tools/footlight/preview/ui/name_order.h"
 #include "tools/footlight/preview/ui/words.h"
 
@@ -34,8 +34,7 @@ bool is_below(std::string_view path, std::string_view folder) {
 }  // namespace
 
 FileKind kind_of_name(std::string_view name) {
-  std::string small(name);
-  std::transform(small.begin(), small.end(), small.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string small = fixtures::lower(name);
   for (const NameEnd& each : kEnds) {
     if (small.size() > each.end.size() && small.ends_with(each.end)) return each.kind;
   }
@@ -65,9 +64,7 @@ void FileList::clear() {
 
 bool FileList::shows(std::size_t index) const {
   const FileEntry& entry = entries_[index];
-  if ((entry.hidden() && !hidden_) || !fits(filter_, entry.kind)) return false;
-  return std::all_of(words_.begin(), words_.end(),
-                     [&](const std::string& word) { return small_[index].find(word) != std::string::npos; });
+  return (hidden_ || !entry.hidden()) && fits(filter_, entry.kind) && has_words(small_[index], words_);
 }
 
 bool FileList::before(std::size_t a, std::size_t b) const {
@@ -115,16 +112,10 @@ void FileList::set_hidden(bool shows) {
 }
 
 void FileList::set_words(const std::string& words) {
-  words_.clear();
-  const std::string small = small_letters(words);
-  for (std::size_t at = 0; at < small.size();) {
-    const std::size_t end = std::min(small.find(' ', at), small.size());
-    if (end > at) words_.push_back(small.substr(at, end - at));
-    at = end + 1;
-  }
+  words_ = small_letters(words);
   marked_name_.clear();
   show();
-  if (!words_.empty()) mark(shown_.empty() ? -1 : 0);  // Enter opens it
+  if (words_.find_first_not_of(' ') != std::string::npos) mark(shown_.empty() ? -1 : 0);  // Enter opens it
 }
 
 void FileList::sort(FileColumn column, bool descending) {

@@ -70,7 +70,7 @@ class FileList {
   std::vector<std::uint32_t> shown_;   // those of sorted_ that are shown
   FileFilter filter_ = FileFilter::kOpens;
   bool hidden_ = false;
-  std::vector<std::string> words_;  // small letters
+  std::string words_;  // small letters
   FileColumn column_ = FileColumn::kName;
   bool descending_ = false;
   int marked_ = -1;

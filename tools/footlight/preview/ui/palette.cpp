@@ -19,16 +19,6 @@ constexpr const char* kPalettePopup = "actions";
 constexpr float kPaletteWidth = 560;
 constexpr std::size_t kPaletteRows = 14;
 
-// Whether every word is in the text, in any order.
-bool has_words(const std::string& text, std::string_view words) {
-  for (std::size_t at = 0; at < words.size();) {
-    const std::size_t end = std::min(words.find(' ', at), words.size());
-    if (text.find(words.substr(at, end - at)) == std::string::npos) return false;
-    at = end + 1;
-  }
-  return true;
-}
-
 bool pressed(ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key)); }
 
 }  // namespace

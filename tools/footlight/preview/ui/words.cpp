@@ -148,6 +148,15 @@ const char* tr_printf(const char* english) {
   return format;
 }
 
+bool has_words(std::string_view text, std::string_view words) {
+  for (std::size_t at = 0; at < words.size();) {
+    const std::size_t end = std::min(words.find(' ', at), words.size());
+    if (text.find(words.substr(at, end - at)) == std::string_view::npos) return false;
+    at = end + 1;
+  }
+  return true;
+}
+
 std::string small_letters(std::string_view text) {
   std::string small;
   small.reserve(text.size());

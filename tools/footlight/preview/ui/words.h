@@ -92,6 +92,8 @@ template <std::integral Count, class... Args>
 
 // UTF-8 with small letters instead of capitals: Latin, Greek and Cyrillic. For searches.
 [[nodiscard]] std::string small_letters(std::string_view text);
+// Whether each of the words, which spaces part, is in the text, in any order. Both in small letters.
+[[nodiscard]] bool has_words(std::string_view text, std::string_view words);
 
 // Languages with a catalog in this folder, sorted: "de".
 [[nodiscard]] std::vector<std::string> languages_in(const std::string& folder);
