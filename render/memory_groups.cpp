@@ -62,13 +62,14 @@ std::uint64_t add_picture(const PictureImages& picture, Groups& groups) {
   std::uint64_t known = groups.add("light and screen", {}, {&picture.radiance, &picture.screen});
   known += groups.add("which body a pixel shows", {&picture.pixel_depths, &picture.pixel_keys, &picture.draw_blocks},
                       {&picture.surface_id, &picture.depth});
-  known += groups.add("beams by tile", {&picture.masks, &picture.fine_masks, &picture.tile_depths,
-                                        &picture.coarse, &picture.rims, &picture.cuts});
+  known += groups.add("beams by tile", {&picture.masks, &picture.fine_masks, &picture.tile_depths, &picture.coarse,
+                                        &picture.rims, &picture.cuts});
   known += groups.add("lasers by tile", {&picture.laser_masks, &picture.laser_strips, &picture.laser_lists});
   known += groups.add("displays by tile", {&picture.display_tiles, &picture.display_records});
   known += groups.add("shadows by tile", {&picture.shadow_words, &picture.shadow_picks, &picture.shade_words});
-  known += groups.add("smooth edges", {&picture.edge_masks, &picture.edge_ids, &picture.edge_samples},
-                      {&picture.edges});
+  known +=
+      groups.add("smooth edges", {&picture.edge_masks, &picture.edge_parts, &picture.edge_ids, &picture.edge_samples},
+                 {&picture.edges});
   known += groups.add("depth of field", {&picture.blurs}, {&picture.blurred});
   known += groups.add("glare", {}, {&picture.glare});
   known += groups.add("mirrored light", {}, {&picture.mirror});

@@ -82,10 +82,17 @@ struct PassEntry {
 [[nodiscard]] inline bool has_computed_triangles(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_bodies(needs, settings) && settings.triangles != TriangleMethod::kRasteriser;
 }
-// Rows of the picture whose pixels have room for samples of edges at a time: whole tiles.
-[[nodiscard]] inline int edge_rows(const FrameSettings& settings) {
-  const int tiles = std::max(1, settings.edge_pixels / (settings.width * FL_TILE_PX));
-  return std::min(tiles, (settings.height + FL_TILE_PX - 1) / FL_TILE_PX) * FL_TILE_PX;
+// Pixels with an edge that have room for samples at a time: at least those of a row of tiles.
+[[nodiscard]] inline std::uint32_t edge_room(const FrameSettings& settings) {
+  const int row = settings.width * FL_TILE_PX;
+  const int rows = (settings.height + FL_TILE_PX - 1) / FL_TILE_PX;
+  return static_cast<std::uint32_t>(std::clamp(settings.edge_pixels, row, rows * row));
+}
+// Parts of a picture, each of which has room for the samples of its pixels with an edge, if all have one.
+[[nodiscard]] inline std::uint32_t edge_part_count(const FrameSettings& settings) {
+  const std::uint32_t rows_of_tiles = edge_room(settings) / static_cast<std::uint32_t>(settings.width * FL_TILE_PX);
+  const auto rows = static_cast<std::uint32_t>((settings.height + FL_TILE_PX - 1) / FL_TILE_PX);
+  return (rows + rows_of_tiles - 1) / rows_of_tiles;
 }
 // Whether beams are taken together for tiles, where they are smooth. A rig that never has enough of them lit goes
 // without.

@@ -307,13 +307,16 @@ std::uint64_t edge_id_bytes(const fixtures::Needs& needs, const FrameSettings& s
 
 std::uint64_t edge_sample_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
   if (!has_smooth_edges(needs, settings)) return 4;
-  return std::uint64_t{4} * settings.edge_samples * static_cast<std::uint64_t>(settings.width) *
-         static_cast<std::uint64_t>(edge_rows(settings));
+  return std::uint64_t{4} * settings.edge_samples * edge_room(settings);
 }
 
 std::uint64_t edge_mask_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
   if (!has_smooth_edges(needs, settings)) return 4;
   return std::uint64_t{4} * FL_EDGE_WORDS * cells(settings.width, FL_TILE_PX) * cells(settings.height, FL_TILE_PX);
+}
+
+std::uint64_t edge_part_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return sizeof(EdgePartRow) * (has_smooth_edges(needs, settings) ? cells(settings.height, FL_TILE_PX) : 1);
 }
 
 // With all levels of detail.
@@ -518,6 +521,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_EDGE_SAMPLES: return edge_sample_bytes(shape.needs, settings);
     case FL_BINDING_EDGES: return (has_smooth_edges(shape.needs, settings) ? pixels : 1) * 16;
     case FL_BINDING_EDGE_MASKS: return edge_mask_bytes(shape.needs, settings);
+    case FL_BINDING_EDGE_PARTS: return edge_part_bytes(shape.needs, settings);
     case FL_BINDING_SHEENS: return shape.needs.sheen ? FL_SHEENS_MAX * sizeof(SheenRow) : 0;
     case FL_BINDING_GLOSS: return gloss_rows(shape.rig).size() * sizeof(GlossRow);
     case FL_BINDING_MIRROR: return mirror_bytes(shape);
@@ -718,6 +722,7 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
                                        VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT));
   const bool edges = has_smooth_edges(needs, settings);
   FL_ASSIGN(p.edge_masks, zeroed(device, edge_mask_bytes(needs, settings)));
+  FL_ASSIGN(p.edge_parts, zeroed(device, edge_part_bytes(needs, settings), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
   FL_ASSIGN(p.edges, vk::Image::create(device, edges ? width : 1, edges ? height : 1, VK_FORMAT_R32G32B32A32_SFLOAT,
                                        VK_IMAGE_USAGE_STORAGE_BIT));
   FL_ASSIGN(p.blurs, zeroed(device, blur_tile_bytes(needs, settings)));
@@ -781,6 +786,7 @@ void Resources::bind_all() {
   bind(FL_BINDING_PIXEL_KEYS, picture.pixel_keys);
   bind(FL_BINDING_DRAW_BLOCKS, picture.draw_blocks);
   bind(FL_BINDING_EDGE_MASKS, picture.edge_masks);
+  bind(FL_BINDING_EDGE_PARTS, picture.edge_parts);
   bind(FL_BINDING_EDGE_IDS, picture.edge_ids);
   bind(FL_BINDING_EDGE_SAMPLES, picture.edge_samples);
   bind(FL_BINDING_BLURS, picture.blurs);

@@ -178,8 +178,9 @@ struct PictureImages {
   vk::Buffer pixel_depths, pixel_keys;  // of triangles that compute shaders draw, one word a pixel; likewise
   vk::Buffer draw_blocks;               // DrawBlocksHead, then DrawBlockRow
   vk::Buffer edge_ids;                  // EdgeIdRow, one a pixel; likewise
-  vk::Buffer edge_samples;              // FrameSettings::edge_samples a pixel of edge_rows(); likewise
+  vk::Buffer edge_samples;              // FrameSettings::edge_samples for edge_room() pixels; likewise
   vk::Buffer edge_masks;                // FL_EDGE_WORDS a tile; likewise
+  vk::Buffer edge_parts;                // EdgePartRow, one a row of tiles; likewise
   vk::Image edges;                      // colours of pixels with edges; likewise
   vk::Image blurred;                    // by depth of field; none without it
   vk::Buffer blurs;                     // of each tile

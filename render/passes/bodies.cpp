@@ -76,13 +76,12 @@ class BodiesPass final : public Pass {
   // The nearest depth of each pixel, the first triangle there, then what it shows.
   void compute(VkCommandBuffer commands) const {
     const PictureImages& picture = resources_.picture;
-    const RowsPush rows{0, static_cast<std::int32_t>(height_)};
     vkCmdFillBuffer(commands, picture.pixel_depths.handle, 0, VK_WHOLE_SIZE, 0);  // infinitely far
     vkCmdFillBuffer(commands, picture.pixel_keys.handle, 0, VK_WHOLE_SIZE, 0);
     for (const std::optional<DrawnTriangles>* drawn : {&parts_.depths, &parts_.keys}) {
       DrawnTriangles::clear(commands, resources_);
       vk::full_barrier(commands);
-      (*drawn)->record(commands, resources_, rows);
+      (*drawn)->record(commands, resources_);
       vk::full_barrier(commands);
     }
     dispatch(commands, parts_.resolve, tile_groups(static_cast<int>(width_)), tile_groups(static_cast<int>(height_)));

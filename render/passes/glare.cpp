@@ -18,12 +18,13 @@ struct GlarePush {
 };
 static_assert(sizeof(GlarePush) == 44);
 
-// Pixels a side of a workgroup: 4 x 4 of the coarse level a thread, or 2 x 2 of the fine one.
-constexpr int kDownPx = 4 * FL_GROUP_GLARE;
+// Pixels a side of a workgroup: down of the coarse level, up of the fine one, of which a thread has 2 x 2.
+constexpr int kDownPx = FL_GROUP_GLARE_DOWN;
 constexpr int kUpPx = 2 * FL_GROUP_GLARE;
+static_assert(kDownPx == kUpPx);
 
-std::uint32_t glare_groups(int size_px, int group_px) {
-  return static_cast<std::uint32_t>((size_px + 2 * FL_GLARE_MARGIN + group_px - 1) / group_px);
+std::uint32_t glare_groups(int size_px) {
+  return static_cast<std::uint32_t>((size_px + 2 * FL_GLARE_MARGIN + kUpPx - 1) / kUpPx);
 }
 
 // Down the pyramid, then up again: each level becomes its own share of the scattered light and that of all above it.
@@ -39,25 +40,24 @@ class GlarePass final : public Pass {
   void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
     const std::size_t last = shape_.levels.size() - 1;
     first_.bind(commands);
-    step(commands, first_, 1, shape_.levels[1], kDownPx);
+    step(commands, first_, 1, shape_.levels[1]);
     down_.bind(commands);
     for (std::size_t level = 2; level <= last; ++level) {
-      step(commands, down_, level, shape_.levels[level], kDownPx);
+      step(commands, down_, level, shape_.levels[level]);
     }
     up_.bind(commands);
     for (std::size_t level = last; level >= 2; --level) {
-      step(commands, up_, level, shape_.levels[level - 1], kUpPx);
+      step(commands, up_, level, shape_.levels[level - 1]);
     }
   }
 
  private:
-  // Between a level and the one before it; `written` is one of them. A workgroup writes group_px pixels a side.
-  void step(VkCommandBuffer commands, const BoundPipeline& shader, std::size_t level, const GlareLevel& written,
-            int group_px) const {
+  // Between a level and the one before it; `written` is one of them.
+  void step(VkCommandBuffer commands, const BoundPipeline& shader, std::size_t level, const GlareLevel& written) const {
     const GlarePush push{shape_.levels[level - 1], shape_.levels[level], static_cast<std::int32_t>(level),
                          level + 1 == shape_.levels.size(), share_};
     shader.pipeline->push(commands, std::as_bytes(std::span(&push, 1)));
-    vkCmdDispatch(commands, glare_groups(written.width, group_px), glare_groups(written.height, group_px), 1);
+    vkCmdDispatch(commands, glare_groups(written.width), glare_groups(written.height), 1);
     vk::full_barrier(commands);
   }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -12,14 +13,20 @@
 
 namespace footlight::render {
 
-// The push constants of all of them: rows of the picture.
-struct RowsPush {
-  std::int32_t first = 0;
-  std::int32_t end = 0;
+// Workgroups that draw the objects of a rig.
+struct ObjectGroups {
+  std::uint32_t x = 0;
+  std::uint32_t y = 0;
 };
+[[nodiscard]] inline ObjectGroups object_groups(const RigTables& rig) {
+  if (rig.object_draw_count == 0) return {};
+  const std::uint32_t groups = groups_of(static_cast<std::uint32_t>(rig.object_triangles), FL_GROUP_TRIANGLES);
+  const std::uint32_t x = std::min<std::uint32_t>(groups, FL_SLOTS_X);
+  return {x, groups_of(groups, x)};
+}
 
-inline void push_rows(VkCommandBuffer commands, const BoundPipeline& bound, RowsPush rows) {
-  bound.pipeline->push(commands, std::as_bytes(std::span(&rows, 1)));
+inline void push_part(VkCommandBuffer commands, const BoundPipeline& bound, std::uint32_t part) {
+  bound.pipeline->push(commands, std::as_bytes(std::span(&part, 1)));
 }
 
 class DrawnTriangles {
@@ -44,33 +51,48 @@ class DrawnTriangles {
     return drawn;
   }
 
-  // Before record(), with a barrier between them.
+  // Before record() and record_part(), with a barrier between them.
   static void clear(VkCommandBuffer commands, const Resources& resources) {
     const DrawBlocksHead none{0, 1, 1, 0};
     vkCmdUpdateBuffer(commands, resources.picture.draw_blocks.handle, 0, sizeof(none), &none);
   }
 
-  void record(VkCommandBuffer commands, const Resources& resources, RowsPush rows) const {
-    const RigTables& rig = resources.rig;
+  // What pixels show at their middles.
+  void record(VkCommandBuffer commands, const Resources& resources) const {
     if (bodies_.pipeline) {
       bodies_.bind(commands);
-      push_rows(commands, bodies_, rows);
-      vkCmdDispatchIndirect(commands, rig.body_rounds.handle, 0);
+      vkCmdDispatchIndirect(commands, resources.rig.body_rounds.handle, 0);
     }
     if (objects_.pipeline) {
-      const std::uint32_t groups = groups_of(static_cast<std::uint32_t>(rig.object_triangles), FL_GROUP_TRIANGLES);
-      const std::uint32_t x = std::min<std::uint32_t>(groups, FL_SLOTS_X);
+      const ObjectGroups groups = object_groups(resources.rig);
       objects_.bind(commands);
-      push_rows(commands, objects_, rows);
-      vkCmdDispatch(commands, x, groups_of(groups, x), 1);
+      vkCmdDispatch(commands, groups.x, groups.y, 1);
     }
-    vk::full_barrier(commands);
-    blocks_.bind(commands);
-    push_rows(commands, blocks_, rows);
-    vkCmdDispatchIndirect(commands, resources.picture.draw_blocks.handle, 0);
+    record_blocks(commands, resources, nullptr);
+  }
+
+  // The samples of pixels with an edge in a part of the picture (EdgePartRow).
+  void record_part(VkCommandBuffer commands, const Resources& resources, std::uint32_t part) const {
+    const VkBuffer parts = resources.picture.edge_parts.handle;
+    const VkDeviceSize row = VkDeviceSize{part} * sizeof(EdgePartRow);
+    for (const auto& [bound, groups] : {std::pair{&bodies_, offsetof(EdgePartRow, bodies_x)},
+                                        std::pair{&objects_, offsetof(EdgePartRow, objects_x)}}) {
+      if (!bound->pipeline) continue;
+      bound->bind(commands);
+      push_part(commands, *bound, part);
+      vkCmdDispatchIndirect(commands, parts, row + groups);
+    }
+    record_blocks(commands, resources, &part);
   }
 
  private:
+  void record_blocks(VkCommandBuffer commands, const Resources& resources, const std::uint32_t* part) const {
+    vk::full_barrier(commands);
+    blocks_.bind(commands);
+    if (part != nullptr) push_part(commands, blocks_, *part);
+    vkCmdDispatchIndirect(commands, resources.picture.draw_blocks.handle, 0);
+  }
+
   BoundPipeline bodies_, objects_, blocks_;
 };
 

@@ -1,5 +1,6 @@
 #version 460
-// Begins the samples of pixels with an edge (edges.comp): with the nearest box at each, or with nothing.
+// Begins the samples of pixels with an edge (edges.comp) in a part of the picture (edgeparts.comp): with the nearest box
+// at each, or with nothing.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "render/shaders/lib/frame.glsl"
@@ -7,19 +8,14 @@
 #include "render/shaders/lib/edge_surfaces.glsl"
 #include "render/shaders/lib/edge_samples.glsl"
 layout(local_size_x = FL_GROUP_EDGES) in;
-layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) readonly buffer EdgeMasksBuffer { uint edge_masks[]; };
-layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) readonly buffer EdgeIdsBuffer { EdgeIdRow edge_ids[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) buffer EdgeMasksBuffer { uint edge_masks[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) buffer EdgePartsBuffer { EdgePartRow edge_parts[]; };
 layout(set = 0, binding = FL_BINDING_EDGE_SAMPLES, std430) writeonly buffer EdgeSamplesBuffer { uint edge_samples[]; };
-// The rows of the picture that are drawn: whole tiles.
-layout(push_constant) uniform RowsPush {
-  int first;
-  int end;
-} rows;
+layout(push_constant) uniform PartPush { uint part; };
 
-#define FL_SIDE (FL_TILE_PX + 2)
-shared uint shown_id[FL_SIDE * FL_SIDE];  // what the pixels of the tile show, with one more on each side
-shared uint mask[FL_EDGE_WORDS];
+shared uint masks[FL_TILE_PX];                     // the tile's words
 shared uint edge_pixels[FL_TILE_PX * FL_TILE_PX];  // those with an edge: y * FL_TILE_PX + x
+shared uint first_pixel;                           // the number of the first one
 shared uint near_boxes[FL_GROUP_EDGES];            // of a round: those that the tile may show
 shared uint near_count;
 
@@ -32,21 +28,6 @@ ivec2 own_pixel;  // within the tile
 uint own_first;   // the number of its first sample
 float own_m[FL_OWN];  // depth along the camera's axis
 uint own_id[FL_OWN];
-
-void load_tile(ivec2 low) {
-  ivec2 size = ivec2(int(params.width), int(params.height));
-  for (uint i = gl_LocalInvocationIndex; i < FL_SIDE * FL_SIDE; i += FL_GROUP_EDGES) {
-    ivec2 pixel = low + ivec2(int(i % FL_SIDE), int(i / FL_SIDE)) - 1;
-    bool inside = all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, size));
-    shown_id[i] = inside ? edge_ids[uint(pixel.y) * params.width + uint(pixel.x)].id : FL_NONE;
-  }
-  for (uint i = gl_LocalInvocationIndex; i < FL_TILE_PX * FL_TILE_PX; i += FL_GROUP_EDGES) {
-    uint number = 0u;  // of pixels with an edge before this one
-    for (uint w = 0u; w < i / 32u; ++w) number += uint(bitCount(mask[w]));
-    number += uint(bitCount(mask[i / 32u] & ((1u << (i % 32u)) - 1u)));
-    if ((mask[i / 32u] >> (i % 32u) & 1u) != 0u) edge_pixels[number] = i;
-  }
-}
 
 // Whether a ray of the tile's pixels may meet a box; never false where one does.
 bool may_show(ivec2 low, vec3 box_low, vec3 box_high) {
@@ -104,33 +85,34 @@ void sample_boxes(ivec2 low) {
   }
 }
 
-// Boxes are planes: any pixel that shows the same face does.
-uint best_pixel(uint i) {
-  vec2 place = sample_offset(own_first + i);
-  float least = kNoNeighbour;
-  uint best = 4u;
-  for (uint n = 0u; n < 9u; ++n) {
-    vec2 to = vec2(ivec2(n % 3u, n / 3u) - 1);
-    uint at = uint(own_pixel.y) * FL_SIDE + uint(own_pixel.x) + (n / 3u) * FL_SIDE + n % 3u;
-    float own = shown_id[at] == own_id[i] ? neighbour_misses(to - place, 0.0, 0.0) : kNoNeighbour;
-    best = own < least ? n : best;
-    least = min(least, own);
-  }
-  return best;
-}
-
 void main() {
-  uint tile = (uint(rows.first) / FL_TILE_PX + gl_WorkGroupID.y) * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-  ivec2 low = ivec2(gl_WorkGroupID.xy) * FL_TILE_PX + ivec2(0, rows.first);
-  if (gl_LocalInvocationIndex < FL_EDGE_WORDS) {
-    mask[gl_LocalInvocationIndex] = edge_masks[tile * FL_EDGE_WORDS + gl_LocalInvocationIndex];
+  uint tile_row = uint(edge_parts[part].first) / FL_TILE_PX + gl_WorkGroupID.y;
+  uint first_word = (tile_row * gl_NumWorkGroups.x + gl_WorkGroupID.x) * FL_EDGE_WORDS;
+  ivec2 low = ivec2(int(gl_WorkGroupID.x), int(tile_row)) * FL_TILE_PX;
+  if (gl_LocalInvocationIndex < FL_TILE_PX) {
+    masks[gl_LocalInvocationIndex] = edge_masks[first_word + gl_LocalInvocationIndex];
   }
   barrier();
-  uint count = 0u;
-  for (uint word = 0u; word < FL_EDGE_WORDS; ++word) count += uint(bitCount(mask[word]));
+  uint count = (masks[FL_TILE_PX - 1] >> 16) + uint(bitCount(masks[FL_TILE_PX - 1] & 0xffffu));
   if (count == 0u) return;
-  load_tile(low);
+  if (gl_LocalInvocationIndex == 0u) {
+    // The order of tiles changes nothing but where their samples are.
+    first_pixel = atomicAdd(edge_parts[tile_row].next, count);
+    edge_masks[first_word + FL_TILE_PX] = first_pixel;
+  }
+  if (kBoxes) {
+    for (uint i = gl_LocalInvocationIndex; i < FL_TILE_PX * FL_TILE_PX; i += FL_GROUP_EDGES) {
+      uint own = masks[i / FL_TILE_PX];
+      uint bit = 1u << (i % FL_TILE_PX);
+      if ((own & bit) != 0u) edge_pixels[(own >> 16) + uint(bitCount(own & (bit - 1u)))] = i;
+    }
+  }
   barrier();
+  uint to = first_pixel * kSamples;
+  if (!kBoxes) {
+    for (uint i = gl_LocalInvocationIndex; i < count * kSamples; i += FL_GROUP_EDGES) edge_samples[to + i] = 0u;
+    return;
+  }
   const uint kPixels = FL_GROUP_EDGES / kThreadsPerPixel;
   for (uint first = 0u; first < count; first += kPixels) {
     uint number = first + gl_LocalInvocationIndex / kThreadsPerPixel;
@@ -141,13 +123,11 @@ void main() {
       own_m[i] = FL_FAR_M;
       own_id[i] = 0u;
     }
-    if (kBoxes) sample_boxes(low);
+    sample_boxes(low);
     if (number >= count) continue;
-    ivec2 at = low + own_pixel;
-    uint to = (uint(at.y - rows.first) * params.width + uint(at.x)) * kSamples + own_first;
     [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {
-      uint depth = own_id[i] != 0u ? sample_bits(min(params.right.w / own_m[i], 0.999)) : 0u;
-      edge_samples[to + i] = depth | best_pixel(i);
+      edge_samples[to + number * kSamples + own_first + i] =
+          own_id[i] != 0u ? sample_word(min(params.right.w / own_m[i], 0.999), mark_of(own_id[i])) : 0u;
     }
   }
 }

@@ -11,7 +11,7 @@ layout(set = 0, binding = FL_BINDING_EDGES, rgba32f) uniform readonly image2D ed
 void main() {
   uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   for (uint bits = edges_of_column(tile); bits != 0u; bits &= bits - 1u) {
-    ivec2 pixel = edge_pixel(bits, 0);
+    ivec2 pixel = edge_pixel(bits);
     imageStore(radiance, pixel, vec4(imageLoad(edges, pixel).rgb, imageLoad(radiance, pixel).a));
   }
 }

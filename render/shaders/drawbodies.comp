@@ -33,7 +33,7 @@ void main() {
   if (number >= rounds_head.count) return;
   BodyRoundRow round_row = rounds[number];
   uint slot = round_row.slot;
-  if (spaces[slot].last_px < float(rows.first) || spaces[slot].first_px > float(rows.end)) return;
+  if (spaces[slot].last_px < float(first_row()) || spaces[slot].first_px > float(end_row())) return;
   uint choice = choices[slot];
   begin_space(slot);
   barrier();

@@ -1,8 +1,8 @@
 #version 460
 // Smooth edges: finds the pixels that may show more than one surface, and writes which surface each pixel shows at its
-// middle. After it beginedges.comp begins the samples of these pixels, drawbodies.comp and others draw into them, and
-// edgemix.comp gives each sample the colour of a pixel that shows the same surface. Colours are those of the whole
-// picture, so the haze in front of each surface ends where that surface is.
+// middle. After it edgeparts.comp finds room for their samples, beginedges.comp begins these, drawbodies.comp and others
+// draw into them, and edgemix.comp gives each sample the colour of a pixel that shows the same surface. Colours are those
+// of the whole picture, so the haze in front of each surface ends where that surface is.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "render/shaders/lib/frame.glsl"
@@ -11,6 +11,7 @@
 layout(local_size_x = FL_GROUP_EDGES) in;
 layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) writeonly buffer EdgeMasksBuffer { uint edge_masks[]; };
 layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) writeonly buffer EdgeIdsBuffer { EdgeIdRow edge_ids[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) buffer EdgePartsBuffer { EdgePartRow edge_parts[]; };
 
 // What the pixels of the tile show, with one more on each side.
 #define FL_SIDE (FL_TILE_PX + 2)
@@ -18,7 +19,7 @@ shared uint shown_id[FL_SIDE * FL_SIDE];
 shared uint shown_normal[FL_SIDE * FL_SIDE];
 shared float shown_m[FL_SIDE * FL_SIDE];  // along the unit ray
 shared float shown_z[FL_SIDE * FL_SIDE];  // as a depth of the buffer: larger is nearer
-shared uint mask[FL_EDGE_WORDS];          // the pixels that may have an edge
+shared uint mask[FL_TILE_PX];             // the pixels of a row that may have an edge
 
 uint at_side(ivec2 p) { return uint((p.y + 1) * FL_SIDE + p.x + 1); }
 
@@ -98,18 +99,24 @@ float farthest(ivec2 p) {
 void main() {
   ivec2 low = ivec2(gl_WorkGroupID.xy) * FL_TILE_PX;
   ivec2 size = ivec2(int(params.width), int(params.height));
-  if (gl_LocalInvocationIndex < FL_EDGE_WORDS) mask[gl_LocalInvocationIndex] = 0u;
+  if (gl_LocalInvocationIndex < FL_TILE_PX) mask[gl_LocalInvocationIndex] = 0u;
   load_shown(low);
   barrier();
   for (uint i = gl_LocalInvocationIndex; i < FL_TILE_PX * FL_TILE_PX; i += FL_GROUP_EDGES) {
     ivec2 p = ivec2(int(i % FL_TILE_PX), int(i / FL_TILE_PX));
     if (any(greaterThanEqual(low + p, size))) continue;
     edge_ids[uint(low.y + p.y) * params.width + uint(low.x + p.x)] = EdgeIdRow(shown_id[at_side(p)], farthest(p));
-    if (may_have_edge(p, low)) atomicOr(mask[i / 32u], 1u << (i % 32u));
+    if (may_have_edge(p, low)) atomicOr(mask[p.y], 1u << p.x);
   }
   barrier();
-  if (gl_LocalInvocationIndex < FL_EDGE_WORDS) {
-    uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
-    edge_masks[tile * FL_EDGE_WORDS + gl_LocalInvocationIndex] = mask[gl_LocalInvocationIndex];
+  if (gl_LocalInvocationIndex >= FL_TILE_PX) return;
+  uint tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+  uint before = 0u;
+  for (uint y = 0u; y < gl_LocalInvocationIndex; ++y) before += uint(bitCount(mask[y]));
+  uint own = mask[gl_LocalInvocationIndex];
+  edge_masks[tile * FL_EDGE_WORDS + gl_LocalInvocationIndex] = before << 16 | own;
+  uint count = before + uint(bitCount(own));
+  if (gl_LocalInvocationIndex == FL_TILE_PX - 1u && count > 0u) {
+    atomicAdd(edge_parts[gl_WorkGroupID.y].count, count);
   }
 }

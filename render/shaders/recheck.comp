@@ -149,8 +149,8 @@ bool has_edge(uvec2 pixel) {
   uvec2 tile = pixel / uint(FL_TILE_PX);
   uvec2 at = pixel % uint(FL_TILE_PX);
   uint across = (params.width + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX);
-  uint word = edge_masks[(tile.y * across + tile.x) * uint(FL_EDGE_WORDS) + at.y / 2u];
-  return (word >> (at.x + 16u * (at.y & 1u)) & 1u) != 0u;
+  uint word = edge_masks[(tile.y * across + tile.x) * uint(FL_EDGE_WORDS) + at.y];
+  return (word >> at.x & 1u) != 0u;
 }
 
 void main() {

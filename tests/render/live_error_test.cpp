@@ -94,7 +94,7 @@ ErrorWindow::Estimate live_error(vk::Device& device, Frame& frame, const Scene& 
   // Pixels with edges do not count.
   const std::size_t all = static_cast<std::size_t>(times) * live->rows().size();
   CHECK(estimate.samples <= all);
-  CHECK(estimate.samples > all / 2);
+  CHECK(estimate.samples > all / 4);  // bright pixels are chosen, and half of these have edges in a small picture
   return estimate;
 }
 

@@ -2,15 +2,15 @@
 layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) readonly buffer EdgeMasksBuffer { uint edge_masks[]; };
 #define FL_EDGE_COLUMN_ROWS (FL_TILE_PX / 4)
 
-// Those of this thread: 0 and 16 are bits of the first of two words, 1 and 17 those of the second.
+// Those of this thread, a bit each.
 uint edges_of_column(uint tile) {
-  uint at = tile * uint(FL_EDGE_WORDS) + gl_LocalInvocationID.y * 2u;
-  uint column = gl_LocalInvocationID.x;
-  return (edge_masks[at] >> column & 0x10001u) | (edge_masks[at + 1u] >> column & 0x10001u) << 1;
+  uint at = tile * uint(FL_EDGE_WORDS) + gl_LocalInvocationID.y * 4u;
+  uint bits = 0u;
+  for (uint y = 0u; y < 4u; ++y) bits |= (edge_masks[at + y] >> gl_LocalInvocationID.x & 1u) << y;
+  return bits;
 }
-// The pixel of the lowest bit. first_row: of the workgroups' tiles.
-ivec2 edge_pixel(uint bits, int first_row) {
-  uint bit = uint(findLSB(bits));
-  uvec2 first = gl_WorkGroupID.xy * uint(FL_TILE_PX) + gl_LocalInvocationID.xy * uvec2(1u, 4u);
-  return ivec2(first + uvec2(0u, (bit & 1u) * 2u + (bit >> 4))) + ivec2(0, first_row);
+// The pixel of the lowest bit.
+ivec2 edge_pixel(uint bits) {
+  return ivec2(gl_WorkGroupID.xy * uint(FL_TILE_PX) + gl_LocalInvocationID.xy * uvec2(1u, 4u)) +
+         ivec2(0, findLSB(bits));
 }

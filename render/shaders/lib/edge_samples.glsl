@@ -1,5 +1,5 @@
-// The samples of a pixel with an edge: a word each. Its high 28 bits are those of the depth there, reversed, so that
-// the nearest is the largest; the low four say which of nine pixels has its colour, in rows. After frame.glsl.
+// The samples of a pixel with an edge: a word each, of what is nearest there. Its high 24 bits are those of the depth,
+// reversed, so that the nearest is the largest; the low 8 stand for the surface. 0: nothing. After edge_surfaces.glsl.
 layout(constant_id = FL_SPEC_EDGE_SAMPLES) const uint kSamples = FL_EDGE_SAMPLES_MAX;
 
 // From the pixel's middle: the points of Hammersley, whose rows and columns all have one.
@@ -8,13 +8,15 @@ vec2 sample_offset(uint n) {
   return (vec2(float(n), float(bitfieldReverse(n) >> (32u - bits))) + 0.5) / float(kSamples) - 0.5;
 }
 
-// Of a depth below 1, whose two high bits are not set.
-uint sample_bits(float z) { return floatBitsToUint(z) << 2 & ~15u; }
+// z: a depth below 1, whose two high bits are not set.
+uint sample_word(float z, uint mark) { return (floatBitsToUint(z) << 2 & 0xffffff00u) | mark; }
+float sample_depth(uint word) { return uintBitsToFloat((word & 0xffffff00u) >> 2); }
+uint sample_mark(uint word) { return word & 0xffu; }
 
-// By how much a neighbour that shows the same surface misses a sample: apart, in pixels; how far its plane is off, in
-// pixels; 1 - cosine between the normals, doubled. With kNoNeighbour or more it is none.
-const float kNoNeighbour = 4.0;
-float neighbour_misses(vec2 apart, float off, float turned) {
-  precise float misses = 0.05 * (apart.x * apart.x + apart.y * apart.y) + off + turned;
-  return misses;
+// Of a surface's name: 0 of nothing; else 128 and more of a box, and less of anything else. Few others have the same.
+uint mark_of(uint name) {
+  if (name == 0u) return 0u;
+  uint mixed = name * 2654435769u >> 9;
+  bool box = (name & (FL_BOX_ID | FL_OBJECT)) == FL_BOX_ID;
+  return box ? 128u + mixed % 128u : 1u + mixed % 127u;
 }

@@ -1,5 +1,4 @@
 // The pyramid of the glare (render/glare.h says where its levels are). After frame.glsl.
-#define FL_GLARE_BLOCK 4  // pixels a side that a thread of glaredown.comp has; of glareup.comp 2
 layout(set = 0, binding = FL_BINDING_GLARE, rgba32f) uniform image2D glare;
 
 // One step: from a level to the next coarser one, or back. Places are those of a level's first pixel in the image.

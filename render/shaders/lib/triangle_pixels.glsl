@@ -45,6 +45,17 @@ void draw_pixels(Triangle it, uint key) {
 }
 
 bool within(ivec2 side, bool edge) { return side.x > 0 || (side.x == 0 && (side.y != 0 || edge)); }
+ivec2 wide_sum(ivec2 a, ivec2 b) {
+  uint carry;
+  uint low = uaddCarry(uint(a.y), uint(b.y), carry);
+  return ivec2(a.x + b.x + int(carry), int(low));
+}
+// What a side changes by from a pixel to the next one on its right.
+ivec2 wide_step(ivec2 d) {
+  ivec2 by;
+  imulExtended(-256, d.y, by.x, by.y);
+  return by;
+}
 
 // All threads of the workgroup draw it together.
 void draw_pixels_together(Triangle it, uint key) {
@@ -57,36 +68,49 @@ void draw_pixels_together(Triangle it, uint key) {
     it.z = it.z.xzy;
     area = wide_side(it.p0, it.p1 - it.p0, it.p2);
   }
+  Sides s = sides_of(it, it.low);
   ivec2 d0 = it.p2 - it.p1;
   ivec2 d1 = it.p0 - it.p2;
   ivec2 d2 = it.p1 - it.p0;
+  ivec2 by_0 = wide_step(d0);
+  ivec2 by_1 = wide_step(d1);
+  ivec2 by_2 = wide_step(d2);
   precise float to_1 = (it.z.y - it.z.x) / wide_float(area);
   precise float to_2 = (it.z.z - it.z.x) / wide_float(area);
-  int across = it.high.x - it.low.x + 1;
-  int count = across * (it.high.y - it.low.y + 1);
-  for (int i = int(gl_LocalInvocationIndex); i < count; i += FL_GROUP_TRIANGLES) {
-    ivec2 at = it.low + ivec2(i % across, i / across);
-    ivec2 p = (at << 8) + 128;
+  TriangleParts parts = parts_of(it.low, it.high);
+  for (int i = int(gl_LocalInvocationIndex); i < parts.count; i += FL_GROUP_TRIANGLES) {
+    ivec2 at = part_first(parts, i);
+    ivec2 ends = part_columns(parts, s, at);
+    ivec2 p = (at + ivec2(ends.x, 0) << 8) + 128;
     ivec2 e0 = wide_side(it.p1, d0, p);
     ivec2 e1 = wide_side(it.p2, d1, p);
     ivec2 e2 = wide_side(it.p0, d2, p);
-    if (!within(e0, holds_edge(d0)) || !within(e1, holds_edge(d1)) || !within(e2, holds_edge(d2))) continue;
-    precise float z = it.z.x + (wide_float(e1) * to_1 + wide_float(e2) * to_2);
-    touch(uint(at.y) * params.width + uint(at.x), z, key);
+    for (int x = ends.x; x <= ends.y; ++x) {
+      if (within(e0, holds_edge(d0)) && within(e1, holds_edge(d1)) && within(e2, holds_edge(d2))) {
+        precise float z = it.z.x + (wide_float(e1) * to_1 + wide_float(e2) * to_2);
+        touch(uint(at.y) * params.width + uint(at.x + x), z, key);
+      }
+      e0 = wide_sum(e0, by_0);
+      e1 = wide_sum(e1, by_1);
+      e2 = wide_sum(e2, by_2);
+    }
   }
 }
 
 // The same for one that reaches behind the camera.
 void draw_open_together(Triangle it, uint key) {
   Sides s = open_sides(it, it.low);
-  int across = it.high.x - it.low.x + 1;
-  int count = across * (it.high.y - it.low.y + 1);
-  for (int i = int(gl_LocalInvocationIndex); i < count; i += FL_GROUP_TRIANGLES) {
-    ivec2 at = ivec2(i % across, i / across);
-    precise vec3 e = s.at_origin + (float(at.x) * s.by_x + float(at.y) * s.by_y);
-    float z = exact_dot(e, s.depth);
-    if (!(min(e.x, min(e.y, e.z)) >= 0.0 && z > 0.0 && z < 1.0)) continue;
-    touch(uint(it.low.y + at.y) * params.width + uint(it.low.x + at.x), z, key);
+  TriangleParts parts = parts_of(it.low, it.high);
+  for (int i = int(gl_LocalInvocationIndex); i < parts.count; i += FL_GROUP_TRIANGLES) {
+    ivec2 first = part_first(parts, i);
+    ivec2 ends = part_columns(parts, s, first);
+    for (int x = ends.x; x <= ends.y; ++x) {
+      vec2 at = vec2(first + ivec2(x, 0) - it.low);
+      precise vec3 e = s.at_origin + (at.x * s.by_x + at.y * s.by_y);
+      float z = exact_dot(e, s.depth);
+      if (!(min(e.x, min(e.y, e.z)) >= 0.0 && z > 0.0 && z < 1.0)) continue;
+      touch(uint(first.y) * params.width + uint(first.x + x), z, key);
+    }
   }
 }
 

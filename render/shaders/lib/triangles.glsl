@@ -6,10 +6,15 @@ layout(set = 0, binding = FL_BINDING_BODY_VERTICES, std430) readonly buffer Vert
 };
 layout(set = 0, binding = FL_BINDING_BODY_INDICES, std430) readonly buffer IndicesBuffer { uint indices[]; };
 // The rows of the picture that are drawn.
-layout(push_constant) uniform RowsPush {
-  int first;
-  int end;
-} rows;
+#ifdef FL_DRAWS_EDGES
+layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) readonly buffer EdgePartsBuffer { EdgePartRow edge_parts[]; };
+layout(push_constant) uniform PartPush { uint part; };
+int first_row() { return edge_parts[part].first; }
+int end_row() { return edge_parts[part].end; }
+#else
+int first_row() { return 0; }
+int end_row() { return int(params.height); }
+#endif
 
 const float kSubpixels = 256.0;
 const float kFarthestPx = 65536.0;  // from the picture's corner: farther places are not exact in float
@@ -99,8 +104,8 @@ Triangle triangle_of(BodyLevelRow level, uint t) {
   low = (low + 127) >> 8;
   high = (high - 128) >> 8;
 #endif
-  ivec2 least = ivec2(0, rows.first);
-  ivec2 last = ivec2(int(params.width), rows.end) - 1;
+  ivec2 least = ivec2(0, first_row());
+  ivec2 last = ivec2(int(params.width), end_row()) - 1;
   it.low = it.open ? least : max(low, least);
   it.high = it.open ? last : min(high, last);
   if (it.open && is_outside(it.h0, it.h1, it.h2)) it.high = it.low - 1;
@@ -188,4 +193,44 @@ Sides sides_of(Triangle it, ivec2 origin) {
   s.by_y = (turn * kSubpixels) * vec3(float(d0.x), float(d1.x), float(d2.x));
   s.depth = it.z / abs(area);
   return s;
+}
+
+// The columns of a row in which a triangle may cover a sample; the last is below the first where there are none.
+ivec2 columns_of(Sides s, int y) {
+  vec3 e = s.at_origin + float(y - s.origin.y) * s.by_y + 0.51 * (abs(s.by_x) + abs(s.by_y));
+  vec2 ends = vec2(-1e6, 1e6);
+  for (uint k = 0u; k < 3u; ++k) {
+    float end = -e[k] / s.by_x[k];
+    if (s.by_x[k] > 0.0) ends.x = max(ends.x, end);
+    else if (s.by_x[k] < 0.0) ends.y = min(ends.y, end);
+    else if (!(e[k] >= 0.0)) ends.y = -2e6;
+  }
+  ends = clamp(ends, vec2(-2e6), vec2(2e6));
+  return s.origin.x + ivec2(int(floor(ends.x)) - 1, int(ceil(ends.y)) + 1);
+}
+
+// Parts of a triangle: what a row of pixels has in one column of tiles.
+struct TriangleParts {
+  ivec2 low;
+  ivec2 high;
+  int tiles;
+  int count;
+};
+TriangleParts parts_of(ivec2 low, ivec2 high) {
+  int tiles = high.x / FL_TILE_PX - low.x / FL_TILE_PX + 1;
+  return TriangleParts(low, high, tiles, tiles * (high.y - low.y + 1));
+}
+// The first pixel of its tile in that row.
+ivec2 part_first(TriangleParts parts, int i) {
+  int row = parts.tiles == 1 ? i : i / parts.tiles;
+  return ivec2((parts.low.x / FL_TILE_PX + i - row * parts.tiles) * FL_TILE_PX, parts.low.y + row);
+}
+// The columns from there on that the triangle may reach; the last is below the first where there are none.
+ivec2 part_columns(TriangleParts parts, Sides s, ivec2 first) {
+  ivec2 ends = ivec2(parts.low.x, parts.high.x);
+  if (ends.y - ends.x >= FL_TILE_PX) {  // of a small one a test of each pixel is quicker
+    ivec2 columns = columns_of(s, first.y);
+    ends = ivec2(max(ends.x, columns.x), min(ends.y, columns.y));
+  }
+  return clamp(ends - first.x, ivec2(0, -1), ivec2(FL_TILE_PX, FL_TILE_PX - 1));
 }

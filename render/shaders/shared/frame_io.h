@@ -67,8 +67,8 @@
 #define FL_BINDING_GOBO_LINES_OUT (51 + FL_LAMP_COUNT)
 #define FL_BINDING_RIMS (52 + FL_LAMP_COUNT)  // RimRow, FrameParams::rims_max a supertile
 #define FL_BINDING_CUTS (53 + FL_LAMP_COUNT)  // CutRow, FrameParams::cuts_max a supertile
-// Smooth edges: EdgeIdRow, one a pixel, the samples of pixels with edges
-// (lib/edge_samples.glsl), the colours of these pixels, and a bit a pixel that has one.
+// Smooth edges: EdgeIdRow, one a pixel; the samples of pixels with edges (lib/edge_samples.glsl), and their colours;
+// FL_EDGE_WORDS a tile: which pixels have an edge, and where their samples are.
 #define FL_BINDING_EDGE_IDS (54 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGE_SAMPLES (55 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGES (56 + FL_LAMP_COUNT)
@@ -158,7 +158,8 @@
 // Depth of field: the blurred picture; the widest blur of each FL_TILE_PX x FL_TILE_PX pixels, in pixels, as floats.
 #define FL_BINDING_BLURRED (117 + FL_LAMP_COUNT)
 #define FL_BINDING_BLURS (118 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (119 + FL_LAMP_COUNT)
+#define FL_BINDING_EDGE_PARTS (119 + FL_LAMP_COUNT)  // EdgePartRow, one a row of tiles
+#define FL_BINDING_COUNT (120 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -257,7 +258,8 @@
 #define FL_GOBO_LINE_SAMPLES 512
 #define FL_GOBO_PROFILES 8  // numbers of profiles (lib/profile_index.glsl), and one that none has
 #define FL_GROUP_GOBOS 64   // lines, and beams, a workgroup
-#define FL_GROUP_GLARE 8     // threads a side of a workgroup of the glare pass
+#define FL_GROUP_GLARE 8     // threads a side of a workgroup of the glare pass, up the pyramid
+#define FL_GROUP_GLARE_DOWN 16  // and down
 #define FL_GLARE_MARGIN 2    // pixels beyond the picture that each level has, on each side
 #define FL_GLARE_WEIGHTS 25  // 1 + levels that have a weight; the first row of the image has them, behind what stays
 #define FL_GROUP_LASERS 64  // rows a workgroup
@@ -866,15 +868,34 @@ struct TreeRow {  // as fixtures::TreeNode
   uint leaf;
 };
 #define FL_TREE_COUNT_BITS 3
-// A pixel may have so many samples of what it shows; words of a tile's mask of pixels with edges.
-#define FL_EDGE_SAMPLES_MAX 16
-#define FL_EDGE_WORDS (FL_TILE_PX * FL_TILE_PX / 32)
+#define FL_EDGE_SAMPLES_MAX 16  // that a pixel may have of what it shows
+// Of a tile: a word for each row of its pixels (in the low half a bit for each with an edge, in the high half how many
+// of them are in rows before it), then the number of its first pixel with samples, among those of its part.
+#define FL_EDGE_WORDS (FL_TILE_PX + 1)
+// Row k is about two things: row k of the tiles, and part k of the rows, which are drawn one part after the other where
+// not all pixels with edges have room for their samples at once.
+struct EdgePartRow {
+  uint count;      // pixels with an edge in row k of the tiles
+  uint next;       // the number of the next of them, among those of its part
+  int first;       // rows of pixels of part k: whole tiles
+  int end;
+  uint tiles_x;    // workgroups: of the part's tiles ...
+  uint tiles_y;
+  uint tiles_z;
+  uint bodies_x;   // ... of bodies; those of a part without edges are 0 ...
+  uint bodies_y;
+  uint bodies_z;
+  uint objects_x;  // ... and of objects
+  uint objects_y;
+  uint objects_z;
+};
 struct EdgeIdRow {
   uint id;           // of the surface (lib/edge_surfaces.glsl)
   float farthest_z;  // no surface behind this depth is drawn: it is behind what the pixel and its neighbours show
 };
-#define FL_GROUP_EDGES 128        // threads of a workgroup that has a tile
-#define FL_EDGE_PIXELS 2097152    // pixels with room for samples; a larger picture is drawn in parts
+#define FL_GROUP_EDGES 128      // threads of a workgroup that has a tile
+#define FL_GROUP_PARTS 256      // and of the one that divides rows into parts
+#define FL_EDGE_PIXELS 2097152  // pixels with an edge that have room for samples at a time
 struct BodyVertexRow {  // as fixtures::BodyVertex
   float x;
   float y;
