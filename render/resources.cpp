@@ -291,6 +291,11 @@ std::uint64_t pixel_words(const FrameSettings& settings) {
   return std::uint64_t{4} * static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
 }
 
+std::uint64_t screen_pixels(const FrameSettings& settings) {
+  const auto side = static_cast<std::uint64_t>(settings.supersample);
+  return pixel_words(settings) / 4 / (side * side);
+}
+
 std::uint64_t computed_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_computed_triangles(needs, settings) ? pixel_words(settings) : 4;
 }
@@ -317,6 +322,16 @@ std::uint64_t edge_mask_bytes(const fixtures::Needs& needs, const FrameSettings&
 
 std::uint64_t edge_part_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
   return sizeof(EdgePartRow) * (has_smooth_edges(needs, settings) ? cells(settings.height, FL_TILE_PX) : 1);
+}
+
+std::uint64_t edge_bytes(std::uint32_t binding, const fixtures::Needs& needs, const FrameSettings& settings) {
+  switch (binding) {
+    case FL_BINDING_EDGES: return has_smooth_edges(needs, settings) ? 4 * pixel_words(settings) : 16;
+    case FL_BINDING_EDGE_IDS: return edge_id_bytes(needs, settings);
+    case FL_BINDING_EDGE_SAMPLES: return edge_sample_bytes(needs, settings);
+    case FL_BINDING_EDGE_MASKS: return edge_mask_bytes(needs, settings);
+    default: return edge_part_bytes(needs, settings);
+  }
 }
 
 // With all levels of detail.
@@ -443,9 +458,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     if (binding == FL_BINDING_LAMP(lamp)) return lamp_bytes(shape.compiled, lamp);
   }
   const FrameSettings& settings = shape.settings;
-  const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
+  const std::uint64_t pixels = pixel_words(settings) / 4;
   const std::uint64_t solid_pixels = has_bodies(shape.needs, settings) ? pixels : 1;
-  const auto side = static_cast<std::uint64_t>(settings.supersample);
   switch (binding) {
     case FL_BINDING_BLADES: return shape.needs.blades ? shape.compiled.beams_max * std::uint64_t{sizeof(BladesRow)} : 0;
     case FL_BINDING_OCCLUDERS: return occluder_bytes(shape);
@@ -517,11 +531,11 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_PIXEL_DEPTHS:
     case FL_BINDING_PIXEL_KEYS: return computed_bytes(shape.needs, settings);
     case FL_BINDING_DRAW_BLOCKS: return draw_block_bytes(shape.needs, settings);
-    case FL_BINDING_EDGE_IDS: return edge_id_bytes(shape.needs, settings);
-    case FL_BINDING_EDGE_SAMPLES: return edge_sample_bytes(shape.needs, settings);
-    case FL_BINDING_EDGES: return (has_smooth_edges(shape.needs, settings) ? pixels : 1) * 16;
-    case FL_BINDING_EDGE_MASKS: return edge_mask_bytes(shape.needs, settings);
-    case FL_BINDING_EDGE_PARTS: return edge_part_bytes(shape.needs, settings);
+    case FL_BINDING_EDGES:
+    case FL_BINDING_EDGE_IDS:
+    case FL_BINDING_EDGE_SAMPLES:
+    case FL_BINDING_EDGE_MASKS:
+    case FL_BINDING_EDGE_PARTS: return edge_bytes(binding, shape.needs, settings);
     case FL_BINDING_SHEENS: return shape.needs.sheen ? FL_SHEENS_MAX * sizeof(SheenRow) : 0;
     case FL_BINDING_GLOSS: return gloss_rows(shape.rig).size() * sizeof(GlossRow);
     case FL_BINDING_MIRROR: return mirror_bytes(shape);
@@ -531,7 +545,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
     case FL_BINDING_DEPTH: return (has_computed_triangles(shape.needs, settings) ? 1 : solid_pixels) * 4;
     case FL_BINDING_RADIANCE: return pixels * 16;
-    case FL_BINDING_SCREEN: return pixels / (side * side) * 4;
+    case FL_BINDING_SCREEN: return screen_pixels(settings) * 4;
     default: return 0;
   }
 }

@@ -1,6 +1,6 @@
 #version 460
-// Begins the samples of pixels with an edge (edges.comp) in a part of the picture (edgeparts.comp): with the nearest box
-// at each, or with nothing.
+// Begins the samples of pixels with an edge (edges.comp) in a part of the picture (edgeparts.comp): with the nearest
+// box at each, or with nothing.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "render/shaders/lib/frame.glsl"

@@ -1,8 +1,8 @@
 #version 460
 // Smooth edges: finds the pixels that may show more than one surface, and writes which surface each pixel shows at its
-// middle. After it edgeparts.comp finds room for their samples, beginedges.comp begins these, drawbodies.comp and others
-// draw into them, and edgemix.comp gives each sample the colour of a pixel that shows the same surface. Colours are those
-// of the whole picture, so the haze in front of each surface ends where that surface is.
+// middle. After it edgeparts.comp finds room for their samples, beginedges.comp begins these, drawbodies.comp and
+// others draw into them, and edgemix.comp gives each sample the colour of a pixel that shows the same surface. Colours
+// are those of the whole picture, so the haze in front of each surface ends where that surface is.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "render/shaders/lib/frame.glsl"
