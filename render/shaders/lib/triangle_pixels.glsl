@@ -79,16 +79,15 @@ void draw_pixels_together(Triangle it, uint key) {
   precise float to_2 = (it.z.z - it.z.x) / wide_float(area);
   TriangleParts parts = parts_of(it.low, it.high);
   for (int i = int(gl_LocalInvocationIndex); i < parts.count; i += FL_GROUP_TRIANGLES) {
-    ivec2 at = part_first(parts, i);
-    ivec2 ends = part_columns(parts, s, at);
-    ivec2 p = (at + ivec2(ends.x, 0) << 8) + 128;
+    ivec3 pixels = part_pixels(parts, s, i);
+    ivec2 p = (pixels.xz << 8) + 128;
     ivec2 e0 = wide_side(it.p1, d0, p);
     ivec2 e1 = wide_side(it.p2, d1, p);
     ivec2 e2 = wide_side(it.p0, d2, p);
-    for (int x = ends.x; x <= ends.y; ++x) {
+    for (int x = pixels.x; x <= pixels.y; ++x) {
       if (within(e0, holds_edge(d0)) && within(e1, holds_edge(d1)) && within(e2, holds_edge(d2))) {
         precise float z = it.z.x + (wide_float(e1) * to_1 + wide_float(e2) * to_2);
-        touch(uint(at.y) * params.width + uint(at.x + x), z, key);
+        touch(uint(pixels.z) * params.width + uint(x), z, key);
       }
       e0 = wide_sum(e0, by_0);
       e1 = wide_sum(e1, by_1);
@@ -102,14 +101,13 @@ void draw_open_together(Triangle it, uint key) {
   Sides s = open_sides(it, it.low);
   TriangleParts parts = parts_of(it.low, it.high);
   for (int i = int(gl_LocalInvocationIndex); i < parts.count; i += FL_GROUP_TRIANGLES) {
-    ivec2 first = part_first(parts, i);
-    ivec2 ends = part_columns(parts, s, first);
-    for (int x = ends.x; x <= ends.y; ++x) {
-      vec2 at = vec2(first + ivec2(x, 0) - it.low);
+    ivec3 pixels = part_pixels(parts, s, i);
+    for (int x = pixels.x; x <= pixels.y; ++x) {
+      vec2 at = vec2(ivec2(x, pixels.z) - it.low);
       precise vec3 e = s.at_origin + (at.x * s.by_x + at.y * s.by_y);
       float z = exact_dot(e, s.depth);
       if (!(min(e.x, min(e.y, e.z)) >= 0.0 && z > 0.0 && z < 1.0)) continue;
-      touch(uint(first.y) * params.width + uint(first.x + x), z, key);
+      touch(uint(pixels.z) * params.width + uint(x), z, key);
     }
   }
 }

@@ -11,12 +11,16 @@ struct DrawnTriangle {
   ivec2 p1;
   ivec2 p2;
   bool open;
-  bool small;  // its sides fit into 32 bits
   float nearest_z;
   ivec2 low;
   ivec2 high;
   uint mark;  // of its surface
 };
+
+uint mark_of_triangle(Triangle it, uint head) {
+  return mark_of((it.part & FL_OBJECT) != 0u ? object_identity(it.part) : 1u + (head << 3 | it.part & 7u));
+}
+float nearest_of(Triangle it) { return it.open ? 1.0 : max(it.z.x, max(it.z.y, it.z.z)); }
 
 DrawnTriangle drawn_of(Triangle it, uint head) {
   DrawnTriangle d;
@@ -26,51 +30,90 @@ DrawnTriangle drawn_of(Triangle it, uint head) {
   d.p1 = it.p1;
   d.p2 = it.p2;
   d.open = it.open;
-  d.small = is_drawn_alone(it);
-  d.nearest_z = it.open ? 1.0 : max(it.z.x, max(it.z.y, it.z.z));
+  d.nearest_z = nearest_of(it);
   d.low = it.low;
   d.high = it.high;
-  d.mark = mark_of((it.part & FL_OBJECT) != 0u ? object_identity(it.part) : 1u + (head << 3 | it.part & 7u));
+  d.mark = mark_of_triangle(it, head);
   return d;
 }
 
-vec3 small_sides_at(DrawnTriangle d, ivec2 pixel) {
+// Where it fits into 32 bits.
+vec3 small_sides_at(Triangle it, float turn, ivec2 pixel) {
   ivec2 p = (pixel << 8) + 128;
-  return d.sides.turn * vec3(float(side(d.p1, d.p2 - d.p1, p)), float(side(d.p2, d.p0 - d.p2, p)),
-                             float(side(d.p0, d.p1 - d.p0, p)));
+  return turn * vec3(float(side(it.p1, it.p2 - it.p1, p)), float(side(it.p2, it.p0 - it.p2, p)),
+                     float(side(it.p0, it.p1 - it.p0, p)));
 }
 
-void draw_samples(DrawnTriangle d, ivec2 at, uint words, uint word) {
-  vec2 way = vec2(at - d.sides.origin);
-  precise vec3 sides = d.sides.at_origin + way.x * d.sides.by_x + way.y * d.sides.by_y;
-  vec3 most = sides + 0.51 * (abs(d.sides.by_x) + abs(d.sides.by_y));
-  if (!(min(most.x, min(most.y, most.z)) >= 0.0)) return;
-  // It is behind all that the pixel and its neighbours show.
-  if (d.nearest_z < edge_ids[uint(at.y) * params.width + uint(at.x)].farthest_z) return;
-  if (d.small) sides = small_sides_at(d, at);
-  else if (!d.open) sides = sides_at(d.p0, d.p1, d.p2, d.sides.turn, at);
-  uint first = edge_slot(words, word, uint(at.x) % FL_TILE_PX) * kSamples;
+// Whether a triangle is behind all that a pixel and its neighbours show.
+bool is_behind(float nearest_z, ivec2 at) {
+  return nearest_z < edge_ids[uint(at.y) * params.width + uint(at.x)].farthest_z;
+}
+// Whether it may cover a sample. sides: at the pixel's middle.
+bool may_cover(Sides s, vec3 sides) {
+  vec3 most = sides + 0.51 * (abs(s.by_x) + abs(s.by_y));
+  return min(most.x, min(most.y, most.z)) >= 0.0;
+}
+
+// first: of the pixel's samples.
+void draw_samples(Sides s, vec3 sides, uint first, uint mark) {
   for (uint n = 0u; n < kSamples; ++n) {
     vec2 place = sample_offset(n);
-    precise vec3 inside = sides + place.x * d.sides.by_x + place.y * d.sides.by_y;
+    precise vec3 inside = sides + place.x * s.by_x + place.y * s.by_y;
     if (!(min(inside.x, min(inside.y, inside.z)) >= 0.0)) continue;
-    float z = exact_dot(inside, d.sides.depth);
-    if (z > 0.0 && z < 1.0) atomicMax(edge_samples[first + n], sample_word(z, d.mark));
+    float z = exact_dot(inside, s.depth);
+    if (z > 0.0 && z < 1.0) atomicMax(edge_samples[first + n], sample_word(z, mark));
   }
 }
 
-// Parts `begin`, `begin` + `stride` and so on (triangles.glsl).
-void draw_parts(DrawnTriangle d, int begin, int stride) {
+// Bits of the columns first to last of 16; first is no more than last.
+uint columns_mask(int first, int last) { return (1u << (last + 1)) - (1u << first); }
+
+// By its thread alone. Most small ones are behind what is seen, or have no edge near them.
+void draw_alone(Triangle it, uint head) {
+  float nearest_z = nearest_of(it);
+  bool ready = false;
+  Sides s;
+  uint mark = 0u;
+  for (int y = it.low.y; y <= it.high.y; ++y) {
+    for (int x = it.low.x; x <= it.high.x; x = (x / FL_TILE_PX + 1) * FL_TILE_PX) {
+      uint words = words_of_tile(uvec2(x, y) / uint(FL_TILE_PX));
+      uint word = edge_masks[words + uint(y) % uint(FL_TILE_PX)];
+      int tile = x / FL_TILE_PX * FL_TILE_PX;
+      uint bits = word & columns_mask(x - tile, min(it.high.x - tile, FL_TILE_PX - 1));
+      for (; bits != 0u; bits &= bits - 1u) {
+        ivec2 at = ivec2(tile + findLSB(bits), y);
+        if (is_behind(nearest_z, at)) continue;
+        if (!ready) {
+          s = sides_of(it, it.low);
+          mark = mark_of_triangle(it, head);
+          ready = true;
+        }
+        vec3 sides = small_sides_at(it, s.turn, at);
+        if (may_cover(s, sides)) draw_samples(s, sides, edge_slot(words, word, uint(at.x - tile)) * kSamples, mark);
+      }
+    }
+  }
+}
+
+// By all threads. At the middle of a pixel sides are exact, so that they do not depend on the part that is drawn.
+void draw_together(DrawnTriangle d) {
   TriangleParts parts = parts_of(d.low, d.high);
-  for (int i = begin; i < parts.count; i += stride) {
-    ivec2 first = part_first(parts, i);
-    uint words = words_of_tile(uvec2(first) / uint(FL_TILE_PX));
-    uint word = edge_masks[words + uint(first.y) % uint(FL_TILE_PX)];
-    if ((word & 0xffffu) == 0u) continue;
-    ivec2 ends = part_columns(parts, d.sides, first);
-    if (ends.x > ends.y) continue;
-    uint bits = word & ((1u << (ends.y + 1)) - (1u << ends.x));
-    for (; bits != 0u; bits &= bits - 1u) draw_samples(d, first + ivec2(findLSB(bits), 0), words, word);
+  for (int i = int(gl_LocalInvocationIndex); i < parts.count; i += FL_GROUP_TRIANGLES) {
+    ivec3 pixels = part_pixels(parts, d.sides, i);
+    for (int x = pixels.x; x <= pixels.y; x = (x / FL_TILE_PX + 1) * FL_TILE_PX) {
+      uint words = words_of_tile(uvec2(x, pixels.z) / uint(FL_TILE_PX));
+      uint word = edge_masks[words + uint(pixels.z) % uint(FL_TILE_PX)];
+      int tile = x / FL_TILE_PX * FL_TILE_PX;
+      uint bits = word & columns_mask(x - tile, min(pixels.y - tile, FL_TILE_PX - 1));
+      for (; bits != 0u; bits &= bits - 1u) {
+        ivec2 at = ivec2(tile + findLSB(bits), pixels.z);
+        vec2 way = vec2(at - d.sides.origin);
+        precise vec3 sides = d.sides.at_origin + way.x * d.sides.by_x + way.y * d.sides.by_y;
+        if (!may_cover(d.sides, sides) || is_behind(d.nearest_z, at)) continue;
+        if (!d.open) sides = sides_at(d.p0, d.p1, d.p2, d.sides.turn, at);
+        draw_samples(d.sides, sides, edge_slot(words, word, uint(at.x - tile)) * kSamples, d.mark);
+      }
+    }
   }
 }
 
@@ -83,7 +126,7 @@ shared bool wide_blocks;
 
 // As triangle_pixels.glsl. With all threads.
 void draw_block(Triangle it, uint number, ivec2 block, uint head) {
-  draw_parts(drawn_of(in_block(it, block), head), int(gl_LocalInvocationIndex), FL_GROUP_TRIANGLES);
+  draw_together(drawn_of(in_block(it, block), head));
 }
 
 void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number, uint base, bool has_wide) {
@@ -98,7 +141,7 @@ void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number,
     it = triangle_of(level, base + own);
     if (is_drawn(it)) {
       if (!has_wide || is_drawn_alone(it)) {
-        draw_parts(drawn_of(it, head), 0, 1);
+        draw_alone(it, head);
       } else {
         by_blocks = !is_drawn_together(it) && !leave_blocks(it, slot, base + own);
         if (by_blocks || is_drawn_together(it)) wide_threads[atomicAdd(wide_count, 1u)] = own;
@@ -117,7 +160,7 @@ void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number,
     }
     barrier();
     if (!wide_blocks) {
-      draw_parts(wide, int(own), FL_GROUP_TRIANGLES);
+      draw_together(wide);
       continue;
     }
     // Block by block, as drawblocks.comp does: then its depths are the same.

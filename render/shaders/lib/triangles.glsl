@@ -209,28 +209,31 @@ ivec2 columns_of(Sides s, int y) {
   return s.origin.x + ivec2(int(floor(ends.x)) - 1, int(ceil(ends.y)) + 1);
 }
 
-// Parts of a triangle: what a row of pixels has in one column of tiles.
+// Parts of a triangle, which threads share out: what a row of pixels has in one strip of columns. Strips are as wide as
+// the picture's blocks where rows are enough for all threads, so that few parts are empty.
 struct TriangleParts {
   ivec2 low;
   ivec2 high;
-  int tiles;
+  int width;   // of a strip
+  int strips;
   int count;
 };
 TriangleParts parts_of(ivec2 low, ivec2 high) {
-  int tiles = high.x / FL_TILE_PX - low.x / FL_TILE_PX + 1;
-  return TriangleParts(low, high, tiles, tiles * (high.y - low.y + 1));
+  int rows = high.y - low.y + 1;
+  int width = rows < FL_GROUP_TRIANGLES ? FL_TILE_PX : FL_BLOCK_PX;
+  int strips = high.x / width - low.x / width + 1;
+  return TriangleParts(low, high, width, strips, strips * rows);
 }
-// The first pixel of its tile in that row.
-ivec2 part_first(TriangleParts parts, int i) {
-  int row = parts.tiles == 1 ? i : i / parts.tiles;
-  return ivec2((parts.low.x / FL_TILE_PX + i - row * parts.tiles) * FL_TILE_PX, parts.low.y + row);
-}
-// The columns from there on that the triangle may reach; the last is below the first where there are none.
-ivec2 part_columns(TriangleParts parts, Sides s, ivec2 first) {
-  ivec2 ends = ivec2(parts.low.x, parts.high.x);
-  if (ends.y - ends.x >= FL_TILE_PX) {  // of a small one a test of each pixel is quicker
-    ivec2 columns = columns_of(s, first.y);
+// The first and the last column of a part that the triangle may reach, the last below the first where there are none;
+// and its row.
+ivec3 part_pixels(TriangleParts parts, Sides s, int i) {
+  int row = parts.strips == 1 ? i : i / parts.strips;
+  int strip = (parts.low.x / parts.width + i - row * parts.strips) * parts.width;
+  ivec2 ends = ivec2(max(parts.low.x, strip), min(parts.high.x, strip + parts.width - 1));
+  int y = parts.low.y + row;
+  if (ends.y - ends.x >= 4) {  // of a few a test of each pixel is quicker
+    ivec2 columns = columns_of(s, y);
     ends = ivec2(max(ends.x, columns.x), min(ends.y, columns.y));
   }
-  return clamp(ends - first.x, ivec2(0, -1), ivec2(FL_TILE_PX, FL_TILE_PX - 1));
+  return ivec3(ends, y);
 }
