@@ -106,6 +106,7 @@ bool map_hides_chord(uint beam, vec2 from, vec2 way, vec2 depth, vec2 deeper, fl
 // The dark parts of a chord: samples kMapStep texels apart, and between two that differ the place of the change to an
 // eighth of that. What is narrower than a step may be missed.
 const float kMapStep = 4.0;
+const int kMapBatch = 16;  // samples that are read together
 ShadowParts map_parts(uint beam, ShadowChord ends) {
   ShadowParts parts;
   shadow_parts_clear(parts);
@@ -116,28 +117,33 @@ ShadowParts map_parts(uint beam, ShadowChord ends) {
   float steps = clamp(ceil(max(abs(way.x), abs(way.y)) / kMapStep), 4.0, float(kMapPx) / kMapStep);
   bool was_dark = map_hides_chord(beam, from, way, depth, deeper, 0.0);
   float dark_from = 0.0;
-  for (float next = 1.0; next <= steps; next += 1.0) {
-    float x = next / steps;
-    bool dark = map_hides_chord(beam, from, way, depth, deeper, x);
-    float edge = 1.0;
-    if (dark != was_dark) {
-      float before = (next - 1.0) / steps;
-      float after = x;
-      for (int k = 0; k < 3; ++k) {
+  for (float first = 0.0; first < steps; first += float(kMapBatch)) {
+    // All samples before any change, so that few of them wait for another.
+    uint dark = was_dark ? 1u : 0u;  // a bit each, from `first` on
+    int count = min(int(steps - first), kMapBatch);
+    for (int k = 1; k <= count; k += 4) {  // what is past the last one does not count
+      [[unroll]] for (int j = k; j < k + 4; ++j) {
+        dark |= map_hides_chord(beam, from, way, depth, deeper, (first + float(j)) / steps) ? 1u << j : 0u;
+      }
+    }
+    uint changes = (dark ^ dark >> 1) & ((1u << count) - 1u);
+    for (; changes != 0u; changes &= changes - 1u) {
+      int k = findLSB(changes);
+      bool begins = (dark >> k & 1u) == 0u;
+      float before = (first + float(k)) / steps;
+      float after = (first + float(k + 1)) / steps;
+      for (int half_of = 0; half_of < 3; ++half_of) {
         float middle = 0.5 * (before + after);
-        bool same = map_hides_chord(beam, from, way, depth, deeper, middle) == was_dark;
+        bool same = map_hides_chord(beam, from, way, depth, deeper, middle) != begins;
         before = same ? middle : before;
         after = same ? after : middle;
       }
-      edge = 0.5 * (before + after);
-    }
-    bool ends_here = was_dark && (!dark || next == steps);
-    if (ends_here) shadow_parts_add(parts, dark_from, edge);
-    else if (dark && !was_dark) {
+      float edge = 0.5 * (before + after);
+      if (!begins) shadow_parts_add(parts, dark_from, edge);
       dark_from = edge;
-      if (next == steps) shadow_parts_add(parts, edge, 1.0);
     }
-    was_dark = dark;
+    was_dark = (dark >> count & 1u) != 0u;
   }
+  if (was_dark) shadow_parts_add(parts, dark_from, 1.0);
   return parts;
 }
