@@ -104,7 +104,7 @@ void add(Arguments& arguments) {
     FL_TRY(take_penumbra(*penumbra, options->display));
     FL_ASSIGN(options->bounce, parse_bounce(*bounce));
     FL_TRY(take_camera_words(*camera_words, options->display));
-    FL_TRY(take_lens(*camera_words, {}, options->display));
+    FL_TRY(parse_f_stop(camera_words->f_stop));
     options->camera_words = *camera_words;
     FL_ASSIGN(options->flashes, flash_mode_of(*flashes));
     FL_ASSIGN(options->quality, render::parse_quality(*error, *ms));

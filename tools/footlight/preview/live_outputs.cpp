@@ -230,7 +230,8 @@ void LiveOutputs::take_opened(Output& output) {
     feed_->count_armed(1);
     pump_->add_sink(*sink);
   });
-  note(fmt::format("{}: armed: it sends the levels of the picture {}", name,
+  note(fmt::format("{}: armed: it sends {}the levels of the picture {}", name,
+                   needs_hold_ ? "zeros until End is held, then " : "",
                    is_made_up(output.plan.endpoint) ? "to no lamp, since it is made up" : "to real lamps"));
 }
 
@@ -262,6 +263,7 @@ void LiveOutputs::lift() {
 
 void LiveOutputs::need_hold(bool on) {
   const Darkness before = darkness();
+  needs_hold_ = on;
   feed_->need_hold(on);
   if (darkness() != before) pump_->call([this] { feed_->hurry(); });
 }

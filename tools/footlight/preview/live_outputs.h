@@ -117,6 +117,7 @@ class LiveOutputs {
   std::unique_ptr<Universes> universes_;
   std::unique_ptr<Waiter> waiter_;
   std::unique_ptr<Pump> pump_;
+  bool needs_hold_ = false;           // as of the last follow()
   Darkness noted_ = Darkness::kNone;  // the last darkness of which there was a notice
   std::mutex mutex_;
   std::vector<std::string> notices_;  // guarded by mutex_

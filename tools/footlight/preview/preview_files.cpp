@@ -51,24 +51,26 @@ void Preview::open_dialog(FileDialog::Use use) {
   dialog_.open(std::move(start));
 }
 
-// What the user has chosen in the dialog.
-void Preview::take_dialog() {
-  const auto chosen = dialog_.draw(window_->ui_scale());
-  if (!chosen) return;
-  if (chosen->use == FileDialog::Use::kOpen) return open_dropped({chosen->path});
-  save_as(chosen->path, chosen->replaces);
+// What the user has chosen in the dialog, which stays open with what cannot be opened or saved.
+void Preview::draw_dialog() {
+  dialog_.draw(window_->ui_scale(), [this](const FileDialog::Chosen& chosen) -> Status {
+    if (chosen.use == FileDialog::Use::kSave) return save_as(chosen.path, chosen.replaces);
+    FL_TRY(kind_of_dropped(chosen.path));
+    open_dropped({chosen.path});
+    return {};
+  });
 }
 
 // From then on the rig is that of the new file.
-void Preview::save_as(const std::string& path, bool replaces) {
-  const auto report = edited_->file().save_as(path, replaces);
-  if (!report) return tell(report.error());
+Status Preview::save_as(const std::string& path, bool replaces) {
+  FL_TRY(edited_->file().save_as(path, replaces));
   saved_revision_ = desk_->state().revision;
   autosave_->forget();
   saved_as_ = path;
   settings_.add_recent(path);
   desk_->list_recent(settings_.recent_rigs);
   tell(trf("saved {}", path));
+  return {};
 }
 
 // One fixture of its first mode, as the button of the library does.

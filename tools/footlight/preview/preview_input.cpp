@@ -105,7 +105,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
     chosen = found;
   }
   const bool dialog_open = dialog_.is_open();
-  take_dialog();
+  draw_dialog();
   if (chosen) call(*chosen);
   take_input(palette_open || dialog_open, dt_ns);
   // The last movement of a drag comes with the release.

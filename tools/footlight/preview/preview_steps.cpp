@@ -43,10 +43,20 @@ LogPlayer::Driven Preview::driven() {
           [this] { panels_.restart(); }};
 }
 
+// What of a log is left out, once.
+void Preview::tell_damage(std::optional<DamageWatch>& watch) {
+  if (!watch) return;
+  const std::string news = watch->take_news();
+  if (news.empty()) return;
+  if (!options_.json) fmt::print(stderr, "footlight: {}\n", printable_line(news));
+  tell(tr_known(news), true);
+}
+
 Status Preview::work_at_index() {
   if (picture_ns_ < 0) return {};  // the first picture comes first
   FL_TRY(player_->work_at_index(controls_.transport.playing ? kIndexNs : kIndexPausedNs, driven()));
   if (std::string news = player_->take_news(); !news.empty()) tell(tr_known(news), true);
+  tell_damage(log_watch_);
   if (player_->index() == nullptr || !panels_.any_open()) return {};
   if (!curve_) {
     curve_.emplace(framed_->rig, RigIndex(framed_->rig, framed_->compiled));

@@ -28,6 +28,7 @@
 #include "tools/footlight/displays/display_videos.h"
 #include "tools/footlight/edit/autosave.h"
 #include "tools/footlight/mvr/exchange_follower.h"
+#include "tools/footlight/pictures/log_damage.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/coming_settings.h"
 #include "tools/footlight/preview/compared_log.h"
@@ -153,6 +154,7 @@ class Preview {
   void show_videos();
   [[nodiscard]] std::unique_ptr<LogPlayer> make_player(SharedScene scene, const LogReader& log);
   [[nodiscard]] LogPlayer::Driven driven();
+  void tell_damage(std::optional<DamageWatch>& watch);
   Status work_at_index();
   Status take_thumbnail();
   Status begin_thumbnail();
@@ -292,8 +294,8 @@ class Preview {
   void take_drops();
   void open_dropped(const std::vector<std::string>& paths);
   void open_dialog(FileDialog::Use use);
-  void take_dialog();
-  void save_as(const std::string& path, bool replaces);
+  void draw_dialog();
+  Status save_as(const std::string& path, bool replaces);
   void add_definition(const std::string& path);
   void ask_to_open(NextWindow next);
   void draw_open_question();
@@ -320,6 +322,7 @@ class Preview {
 
   // What drives the rig: one of the three.
   std::optional<LogReader> log_;  // not read itself: player_ has readers of its own
+  std::optional<DamageWatch> log_watch_;       // of log_
   std::unique_ptr<LogPlayer> player_;
   std::unique_ptr<LiveLevels> live_;
   std::unique_ptr<Timeline> live_timeline_;
@@ -339,6 +342,7 @@ class Preview {
   TimeNs step_ns_ = 0;                      // when the step that is given next begins, of live inputs and faders
   std::unique_ptr<LiveOutputs> outputs_;    // null: there are none
   OutputsView outputs_view_;
+  std::optional<DamageWatch> compared_watch_;  // of compared_
   std::unique_ptr<ComparedLog> compared_;  // whose levels are A of the comparison; null: none
   TimeNs compared_since_ns_ = 0;           // without a log that plays: when it began
   std::future<Result<LogReader>> reading_compared_;  // valid: it is read

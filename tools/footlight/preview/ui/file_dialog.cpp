@@ -11,6 +11,7 @@
 
 #include <imgui/imgui.h>
 
+#include "tools/footlight/edit/rig_file.h"
 #include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/preview/ui/words.h"
@@ -79,6 +80,11 @@ void FileDialog::read() {
   reader_.reset();
 }
 
+void FileDialog::refuse(const Error& error) {
+  trouble_ = printable_utf8(tr_known(error.message));
+  asks_.clear();
+}
+
 void FileDialog::choose(const std::string& path) {
   std::error_code trouble;
   const bool there = fs::exists(path, trouble);
@@ -91,6 +97,8 @@ void FileDialog::choose(const std::string& path) {
     return;
   }
   const std::string whole = kind_of_name(path) == FileKind::kRig && path.ends_with(".toml") ? path : path + ".toml";
+  if (const Status can = check_rig_target(whole); !can) return refuse(can.error());
+  trouble_.clear();
   if (fs::exists(whole, trouble)) {
     asks_ = whole;
   } else {
@@ -261,7 +269,7 @@ void FileDialog::take_keys() {
   was_empty_ = is_empty;
 }
 
-std::optional<FileDialog::Chosen> FileDialog::draw(float scale) {
+void FileDialog::draw(float scale, const Take& take) {
   if (std::exchange(opens_, false)) ImGui::OpenPopup(kFilesPopup);
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
@@ -273,7 +281,7 @@ std::optional<FileDialog::Chosen> FileDialog::draw(float scale) {
   shown_ = ImGui::BeginPopupModal(title, nullptr, kFlags);
   if (!shown_) {
     reader_.reset();
-    return std::nullopt;
+    return;
   }
   read();
   if (ImGui::Button(tr_label("folder above"))) {
@@ -291,10 +299,17 @@ std::optional<FileDialog::Chosen> FileDialog::draw(float scale) {
   draw_foot(scale);
   take_keys();
   const bool leaves = is_key(ImGuiKey_Escape);
-  if (chosen_ || (leaves && asks_.empty())) ImGui::CloseCurrentPopup();
+  bool closes = leaves && asks_.empty();
+  if (const auto chosen = std::exchange(chosen_, std::nullopt)) {
+    if (const Status taken = take(*chosen); taken) {
+      closes = true;
+    } else {
+      refuse(taken.error());
+    }
+  }
+  if (closes) ImGui::CloseCurrentPopup();
   if (leaves) asks_.clear();
   ImGui::EndPopup();
-  return std::exchange(chosen_, std::nullopt);
 }
 
 }  // namespace footlight::tools
