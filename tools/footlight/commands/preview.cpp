@@ -127,6 +127,7 @@ extern const CommandInfo preview_command{
     .name = "preview",
     .help = "Show a rig in a window: from a log, live from the network or a device, or with faders",
     .examples =
+        "  footlight preview                                   a start screen: the demo, recent rigs, a file\n"
         "  footlight preview --demo\n"
         "  footlight preview rig.toml --log show.dmxlog --at 12.5s\n"
         "  footlight preview rig.toml --in sacn:1-9            live\n"

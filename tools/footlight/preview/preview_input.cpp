@@ -87,6 +87,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
     }
     if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
+    if (curve_ && selected_curve_) input.selected_curve = &*selected_curve_;
     if (curve_ && strips_) input.strips = &strips_->strips;
     if (player_) input.thumbnails = &thumbnails_.pictures();
     input.outputs = &outputs_view_;

@@ -43,6 +43,20 @@ LogPlayer::Driven Preview::driven() {
           [this] { panels_.restart(); }};
 }
 
+// After curve_: a selection of some fixtures has a curve of its own.
+void Preview::follow_selected_curve() {
+  const std::vector<int>& which = desk_->state().selection.fixtures;
+  if (which.empty() || which.size() >= framed_->rig.fixtures.size()) {
+    selected_curve_.reset();
+    return;
+  }
+  if (!selected_curve_ || curve_selection_ != which) {
+    curve_selection_ = which;
+    selected_curve_.emplace(framed_->rig, RigIndex(framed_->rig, framed_->compiled), which);
+  }
+  extend(*selected_curve_, *player_->index());
+}
+
 // What of a log is left out, once.
 void Preview::tell_damage(std::optional<DamageWatch>& watch) {
   if (!watch) return;
@@ -60,9 +74,11 @@ Status Preview::work_at_index() {
   if (player_->index() == nullptr || !panels_.any_open()) return {};
   if (!curve_) {
     curve_.emplace(framed_->rig, RigIndex(framed_->rig, framed_->compiled));
+    selected_curve_.reset();
     strips_.reset();
   }
   extend(*curve_, *player_->index());
+  follow_selected_curve();
   if (!strips_) strips_ = std::make_unique<Strips>(framed_);
   extend(strips_->strips, *player_->index(), kStripMomentsMax);
   return {};

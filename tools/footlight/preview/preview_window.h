@@ -154,6 +154,7 @@ class Preview {
   void show_videos();
   [[nodiscard]] std::unique_ptr<LogPlayer> make_player(SharedScene scene, const LogReader& log);
   [[nodiscard]] LogPlayer::Driven driven();
+  void follow_selected_curve();
   void tell_damage(std::optional<DamageWatch>& watch);
   Status work_at_index();
   Status take_thumbnail();
@@ -185,6 +186,8 @@ class Preview {
   void end_recording();
   void report_recording(bool waits);
   void keep_recording();
+  void offer_recording();
+  void draw_recorded_line();
 
   // Markers of the log: preview_markers.cpp.
   void open_markers();
@@ -339,6 +342,8 @@ class Preview {
 
   std::unique_ptr<Recording> recording_;    // null: nothing is recorded
   std::future<Result<std::string>> ended_;  // valid: a recording is being written to its end
+  std::string ended_path_;                  // its file
+  std::string recorded_;                    // a file that the window offers to play; empty: none
   TimeNs step_ns_ = 0;                      // when the step that is given next begins, of live inputs and faders
   std::unique_ptr<LiveOutputs> outputs_;    // null: there are none
   OutputsView outputs_view_;
@@ -355,6 +360,8 @@ class Preview {
   std::string markers_path_;         // empty: they are not saved
   Markers saved_markers_;            // as the file has them
   std::optional<LightCurve> curve_;  // of the log, from the moments of its index
+  std::optional<LightCurve> selected_curve_;  // the same of the selected fixtures, which are:
+  std::vector<int> curve_selection_;
   struct Strips {
     explicit Strips(SharedScene of) : scene(std::move(of)), strips(scene->rig, scene->compiled) {}
     SharedScene scene;

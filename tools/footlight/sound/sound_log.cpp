@@ -111,7 +111,9 @@ Result<LogReader> read_capture(const std::string& path, const drivers::CaptureOp
   FL_ASSIGN(const std::unique_ptr<LogInput> input, drivers::open_any_log(path, options));
   FL_ASSIGN(LogReader reader, read_into_memory(*input));
   if (input->damage_count() > 0) {
-    for (const std::string& note : input->notes()) fmt::print(stderr, "footlight: {}: {}\n", path, printable_line(note));
+    for (const std::string& note : input->notes()) {
+      fmt::print(stderr, "footlight: {}: {}\n", path, printable_line(note));
+    }
   }
   return reader;
 }

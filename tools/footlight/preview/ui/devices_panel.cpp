@@ -4,6 +4,7 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@
 #include "sim/pattern.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/questions.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/preview/ui/words.h"
 #include "tools/footlight/status/status_text.h"
@@ -24,6 +26,7 @@ constexpr std::size_t kAll = SIZE_MAX;            // of the question
 constexpr const char* kDeviceDrag = "interface";  // its endpoint without a universe
 constexpr const char* kOutputDrag = "output";     // its row
 constexpr std::size_t kChipsMax = 128;
+constexpr float kAskedLines = 5;  // outputs of the question that are in sight
 constexpr const char* kModel = "mock:enttec-pro";  // of an interface, inside the program
 
 std::string age_text(DurationNs age_ns) {
@@ -471,6 +474,29 @@ class DevicesPanel final : public Panel {
     clear_ = false;
   }
 
+  // The outputs that the question is about; many of them scroll, so that its buttons are in the window.
+  void draw_asked(const OutputsView& outputs) {
+    std::vector<std::string> lines;
+    for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
+      const OutputRow& row = outputs.rows[i];
+      if ((*asks_ != kAll && *asks_ != i) || row.state != ArmState::kOff) continue;
+      lines.push_back(row.made_up ? trf("{}  universe {}  (made up: no lamp gets it)", row.endpoint,
+                                        show_universes(row.sent()))
+                                  : trf("{}  universe {}", row.endpoint, show_universes(row.sent())));
+    }
+    const float width = ImGui::GetFontSize() * 26;
+    float height = 0;
+    for (const std::string& line : lines) {
+      height += ImGui::CalcTextSize(line.c_str(), nullptr, false, width).y + ImGui::GetStyle().ItemSpacing.y;
+    }
+    if (ImGui::BeginChild("asked", {width, std::min(height, kAskedLines * ImGui::GetTextLineHeightWithSpacing())})) {
+      ImGui::PushTextWrapPos(0);
+      for (const std::string& line : lines) ui_text(kUiAmber, line);
+      ImGui::PopTextWrapPos();
+    }
+    ImGui::EndChild();
+  }
+
   // Two acts at two places: a tick, and the button that it enables. A click that comes twice arms nothing.
   void draw_question(const UiInput& input) {
     const char* const kTitle = tr_label("Send to real lamps?");
@@ -478,19 +504,11 @@ class DevicesPanel final : public Panel {
     OutputsView& outputs = *input.outputs;
     if (opens_) ImGui::OpenPopup(kTitle);
     opens_ = false;
-    ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Appearing, {0.5f, 0.5f});
-    if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize)) {
+    if (!begin_question(kTitle)) {
       asks_.reset();
       return;
     }
-    for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
-      const OutputRow& row = outputs.rows[i];
-      if ((*asks_ == kAll || *asks_ == i) && row.state == ArmState::kOff) {
-        ui_text(kUiAmber, row.made_up ? trf("{}  universe {}  (made up: no lamp gets it)", row.endpoint,
-                                            show_universes(row.sent()))
-                                      : trf("{}  universe {}", row.endpoint, show_universes(row.sent())));
-      }
-    }
+    draw_asked(outputs);
     const auto lit =
         std::count_if(input.levels.begin(), input.levels.end(), [](std::uint8_t level) { return level > 0; });
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);

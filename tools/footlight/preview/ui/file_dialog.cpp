@@ -1,8 +1,11 @@
 #include "tools/footlight/preview/ui/file_dialog.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -239,7 +242,11 @@ void FileDialog::draw_foot(float scale) {
   ImGui::SameLine();
   const std::string count = trf("{} of {}", list_.shown(), list_.size());
   ui_text(reader_ ? kUiAmber : kUiDim, reader_ ? trf("reading ... {}", count) : count);
-  if (!trouble_.empty()) ui_text(kUiRed, trouble_);
+  if (!trouble_.empty()) {
+    ImGui::PushTextWrapPos(0);
+    ui_text(kUiRed, trouble_);
+    ImGui::PopTextWrapPos();
+  }
   if (!asks_.empty()) {
     ui_text(kUiAmber, trf("There is a file {}.", printable_utf8(fs::path(asks_).filename().string())));
     ImGui::SameLine();
@@ -291,7 +298,11 @@ void FileDialog::draw(float scale, const Take& take) {
   ui_text(printable_utf8(start_.folder));
   draw_field();
   const float line = ImGui::GetFrameHeightWithSpacing();
-  const float foot = line * (trouble_.empty() ? 2 : 3) + ImGui::GetStyle().ItemSpacing.y;
+  float foot = line * 2 + ImGui::GetStyle().ItemSpacing.y;
+  if (!trouble_.empty()) {
+    const float width = ImGui::GetContentRegionAvail().x;
+    foot += ImGui::CalcTextSize(trouble_.c_str(), nullptr, false, width).y + ImGui::GetStyle().ItemSpacing.y;
+  }
   const float height = std::max(ImGui::GetContentRegionAvail().y - foot, 3 * line);
   draw_places(kPlacesWidth * scale, height);
   ImGui::SameLine();
@@ -310,6 +321,22 @@ void FileDialog::draw(float scale, const Take& take) {
   if (closes) ImGui::CloseCurrentPopup();
   if (leaves) asks_.clear();
   ImGui::EndPopup();
+}
+
+FileDialog::Start file_start(FileDialog::Use use, const std::string& beside,
+                             const std::vector<std::string>& recent_rigs) {
+  const char* const home = std::getenv("HOME");
+  std::error_code trouble;
+  const std::string path = fs::absolute(beside, trouble).lexically_normal().string();
+  std::ifstream mounts("/proc/self/mounts");
+  const std::string mounted{std::istreambuf_iterator<char>(mounts), {}};
+  FileDialog::Start start;
+  start.use = use;
+  start.folder = parent_of(path);
+  start.name = fs::path(path).filename().string();
+  start.home = home != nullptr ? home : "/";
+  start.places = file_places(start.home, path, recent_rigs, mounted);
+  return start;
 }
 
 }  // namespace footlight::tools

@@ -37,9 +37,9 @@ class FileDialog {
   void open(Start start);
   // From open() on: keys belong to its field.
   [[nodiscard]] bool is_open() const { return opens_ || shown_; }
-  // Once a picture, until `take` accepts what the user has chosen, or the user closes it. Typed words narrow the list; Up, Down, Page Up
-  // and Page Down mark a row, Enter opens it or goes to what is typed as a path, Backspace in an empty field goes to
-  // the folder above.
+  // Once a picture, until `take` accepts what the user has chosen, or the user closes it by Esc. Typed words narrow the
+  // list; Up, Down, Page Up and Page Down mark a row, Enter opens it or goes to what is typed as a path, Backspace in
+  // an empty field goes to the folder above.
   void draw(float scale, const Take& take);
 
   [[nodiscard]] const std::string& folder() const { return start_.folder; }
@@ -75,5 +75,9 @@ class FileDialog {
   bool shown_ = false;
   bool was_empty_ = true;  // the field, in the last picture
 };
+
+// Beside a file, with its name, the user's home folder, recent rigs and mounted media as places.
+[[nodiscard]] FileDialog::Start file_start(FileDialog::Use use, const std::string& beside,
+                                           const std::vector<std::string>& recent_rigs);
 
 }  // namespace footlight::tools

@@ -256,6 +256,10 @@ constexpr const char* kForms[] = {
     tr_mark("{}: a hold begins: when it ends, blackout is on"),
     tr_mark("{}: the hold is over"),
     tr_mark("{}: back"),
+    tr_mark("{}: universe {} is not among those of this run; it stays unused"),
+    tr_mark("{}: universes {} are not among those of this run; they stay unused"),
+    tr_mark("{}: universe {} has {} senders already; frames of further ones are refused and counted"),
+    tr_mark("{}: universe {}: a sender has priority {}; expected 0 to {}; its frames are ignored and counted"),
     // Errors of the window itself.
     tr_mark("a marker's name has 1 to {} bytes without control characters"),
     tr_mark("there is a marker here already: {}"),
