@@ -1,7 +1,9 @@
 // Dialogs in a window of 640 x 360, in English and German: their buttons are within it.
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -140,6 +142,53 @@ TEST_CASE("in a window of 640 x 360 all of each dialog is in sight in German") {
   REQUIRE(words);
   const testing::Spoken german(std::move(*words));
   check_all_dialogs();
+}
+
+TEST_CASE("each panel opens within a window of 640 x 360 and one of 7680 x 4320, at their scales") {
+  const testing::UiRig rig = testing::compiled_rig(testing::parsed_rig(testing::kUiRig));
+  const float large = ui_scale_for(4320, 4320);
+  CHECK(large == 3);
+  for (const auto& [wide, high, scale] : {std::tuple{kWide, kHigh, 1.0f}, {7680.0f, 4320.0f, large}}) {
+    SmallUi ui;
+    ImGui::GetIO().DisplaySize = {wide, high};
+    ImGui::GetIO().FontGlobalScale = scale;
+    UiDesk desk(rig.rig, rig.compiled);
+    UiPanels open;
+    OutputsView outputs;
+    InputsView inputs;
+    MessageLog messages;
+    ReportView report;
+    const std::vector<std::uint8_t> levels(rig.compiled.universes.size() * kSlotCountMax);
+    ui.drawn = [&, w = wide, h = high, s = scale] {
+      UiInput input;
+      input.levels = levels;
+      input.outputs = &outputs;
+      input.inputs = &inputs;
+      input.messages = &messages;
+      input.report = &report;
+      input.scale = s;
+      open.draw(desk, input, w, h);
+    };
+    for (std::size_t i = 0; i < panels().size(); ++i) {
+      const PanelInfo& info = panels()[i];
+      CAPTURE(info.word);
+      CAPTURE(wide);
+      open.set_open(i, true, desk);
+      for (int frame = 0; frame < 4; ++frame) ui.frame();
+      const ImGuiWindow* const window = ImGui::FindWindowByName(("###" + std::string(info.title)).c_str());
+      REQUIRE(window != nullptr);
+      const ImRect place = window->Rect();
+      CHECK(place.Min.x >= 0);
+      CHECK(place.Min.y >= 0);
+      CHECK(place.Max.x <= wide);
+      CHECK(place.Max.y <= high);
+      CHECK(place.GetWidth() <= info.place.width * scale + 1);
+      CHECK(place.GetWidth() >= std::min(info.place.width * scale, wide - 32 * scale) - 1);
+      CHECK(place.GetHeight() >= std::min(info.place.height * scale, 150 * scale) - 1);
+      open.set_open(i, false, desk);
+      ui.frame();
+    }
+  }
 }
 
 TEST_CASE("after a recording a line offers to play it, or goes away") {

@@ -82,6 +82,8 @@ class Preview {
     return desk_ ? std::optional(desk_->flashes()) : std::nullopt;
   }
 
+  // Outputs that the user has removed from the list: endpoints.
+  [[nodiscard]] const std::vector<std::string>& removed_outputs() const { return removed_outputs_; }
   [[nodiscard]] bool holds_to_live() const { return outputs_view_.needs_hold; }
 
   // The looks of the window, once it has opened.
@@ -209,6 +211,7 @@ class Preview {
   void follow_inputs();
   [[nodiscard]] std::string why_no_input() const;
   Status add_input(const std::string& text);
+  Status move_input(const InputsView::Move& move);
   void remove_input(const std::string& text);
   void close_inputs();
 
@@ -347,6 +350,7 @@ class Preview {
   TimeNs step_ns_ = 0;                      // when the step that is given next begins, of live inputs and faders
   std::unique_ptr<LiveOutputs> outputs_;    // null: there are none
   OutputsView outputs_view_;
+  std::vector<std::string> removed_outputs_;
   std::optional<DamageWatch> compared_watch_;  // of compared_
   std::unique_ptr<ComparedLog> compared_;  // whose levels are A of the comparison; null: none
   TimeNs compared_since_ns_ = 0;           // without a log that plays: when it began
