@@ -553,7 +553,9 @@ TEST_CASE("a question about an output that leaves the list meanwhile is closed")
   testing::activate("###Send to real lamps?", {"###Leave it"});
   for (int i = 0; i < 3; ++i) ui.frame();
   view = two_outputs();
-  const int row = 1;
+  view.rows.push_back(view.rows[1]);
+  view.rows[2].endpoint = "enttec-pro:EN2";
+  const int row = 1;  // after it another output has this row
   const ImGuiID table = ImHashStr("outputs", 0, ImGui::FindWindowByName("###Devices")->ID);
   ui.frame();
   ImGui::ActivateItem(ImHashStr("###arm ...", 0, ImHashData(&row, sizeof(row), table)));
