@@ -26,6 +26,23 @@ int highest_priority_of(const FrameView& frame) {
   return std::max(frame.priority, *std::max_element(frame.slots.begin(), frame.slots.end()));
 }
 
+// One sentence, however many universes of a port are not part of the run. Sorts them.
+std::string unused_text(std::vector<Universe>& unused) {
+  std::sort(unused.begin(), unused.end());
+  unused.erase(std::unique(unused.begin(), unused.end()), unused.end());
+  std::string ranges;
+  for (std::size_t i = 0; i < unused.size();) {
+    std::size_t last = i;
+    while (last + 1 < unused.size() && unused[last + 1] == unused[last] + 1) ++last;
+    ranges += fmt::format("{}{}", ranges.empty() ? "" : ",", unused[i]);
+    if (last > i) ranges += fmt::format("-{}", unused[last]);
+    i = last + 1;
+  }
+  const bool one = unused.size() == 1;
+  return fmt::format("universe{} {} {} not among those of this run; {} unused", one ? "" : "s", ranges,
+                     one ? "is" : "are", one ? "it stays" : "they stay");
+}
+
 // Period of the sink's rate cap; 0: no cap.
 double period_ns_of(const Sink& sink) {
   const double rate_hz_max = sink.rate_hz_max();
@@ -419,10 +436,13 @@ void Pump::add(PortRun& run, std::span<const Universe> universes) {
   run.lanes.resize(universes.size());
   for (std::size_t i = 0; i < universes.size(); ++i) run.lanes[i].universe = universes[i];
   find_lanes(run);
-  for (const Lane& lane : run.lanes)
-    if (universes_->index_of(lane.universe) < 0)
-      notify(NoticeLevel::kWarning, "universe-unused", run,
-             fmt::format("universe {} is not among those of this run; it stays unused", lane.universe), lane.universe);
+  std::vector<Universe> unused;
+  for (const Lane& lane : run.lanes) {
+    if (universes_->index_of(lane.universe) < 0) unused.push_back(lane.universe);
+  }
+  if (!unused.empty()) {
+    notify(NoticeLevel::kWarning, "universe-unused", run, unused_text(unused), unused.front());
+  }
   if (run.sink != nullptr) {
     run.pending.reserve(run.lanes.size());
     run.batch.reserve(run.lanes.size());

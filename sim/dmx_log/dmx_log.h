@@ -213,6 +213,14 @@ class LogReader {
   // counts per universe then need read_log_info().
   [[nodiscard]] const LogInfo& info() const;
 
+  // All damage that this reader and every other one of the same log (again()) has met so far; at most the first 64
+  // parts, and how many there are. Any thread may call it while others read.
+  struct DamageMet {
+    std::uint64_t count = 0;
+    std::vector<LogDamage> first;
+  };
+  [[nodiscard]] DamageMet damage_met() const;
+
   // The next frame in order of time; false at the end.
   [[nodiscard]] Result<bool> next(LogFrame& frame);
   // Moves to a time: snapshot() then includes every frame at or before time_ns, and next() returns the first one after

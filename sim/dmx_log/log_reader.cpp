@@ -2,6 +2,7 @@
 #include <array>
 #include <cerrno>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <utility>
@@ -82,6 +83,26 @@ class MemoryInput final : public Input {
   Bytes bytes_;
 };
 
+// What the readers of one log have met.
+class SharedDamage {
+ public:
+  void add(const LogDamage& damage) {
+    const std::lock_guard lock(mutex_);
+    if (offsets_.size() == kDamageCountedMax || !offsets_.insert(damage.offset).second) return;
+    ++met_.count;
+    if (met_.first.size() < kDamageListedMax) met_.first.push_back(damage);
+  }
+  [[nodiscard]] LogReader::DamageMet met() const {
+    const std::lock_guard lock(mutex_);
+    return met_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::set<std::uint64_t> offsets_;  // guarded by mutex_
+  LogReader::DamageMet met_;         // guarded by mutex_
+};
+
 struct FoundBlock {
   std::uint64_t offset = 0;
   BlockHeader header;
@@ -101,6 +122,7 @@ struct LogReader::Impl {
     if (damage_offsets.size() == kDamageCountedMax) return;
     if (!damage_offsets.insert(offset).second) return;  // already recorded on an earlier pass
     ++info.damage_count;
+    shared_damage->add({offset, size_bytes, what});
     if (info.damage.size() < kDamageListedMax) info.damage.push_back({offset, size_bytes, std::move(what)});
   }
 
@@ -503,6 +525,7 @@ struct LogReader::Impl {
   LogInfo info;
   std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd;
   std::set<std::uint64_t> damage_offsets;
+  std::shared_ptr<SharedDamage> shared_damage = std::make_shared<SharedDamage>();  // of all readers of this log
 
   std::uint64_t first_block = dmx_log::kFileHeaderFixedBytes;  // the earliest possible start, until the header was read
   std::uint64_t data_end = 0;
@@ -550,6 +573,7 @@ LogReader LogReader::again() const {
   auto impl = std::make_unique<Impl>(impl_->input, impl_->info.path, impl_->options);
   impl->info = impl_->info;
   impl->damage_offsets = impl_->damage_offsets;
+  impl->shared_damage = impl_->shared_damage;
   impl->first_block = impl_->first_block;
   impl->data_end = impl_->data_end;
   impl->entries = impl_->entries;
@@ -558,6 +582,7 @@ LogReader LogReader::again() const {
 }
 
 const LogInfo& LogReader::info() const { return impl_->info; }
+LogReader::DamageMet LogReader::damage_met() const { return impl_->shared_damage->met(); }
 Result<bool> LogReader::next(LogFrame& frame) { return impl_->next(frame); }
 Status LogReader::seek(DurationNs time_ns) { return impl_->seek(time_ns); }
 Status LogReader::rewind() {

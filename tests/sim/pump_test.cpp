@@ -456,6 +456,16 @@ TEST_CASE("a sink is polled at its keep-alive deadline while no frame arrives") 
   CHECK(sink.send_count == 0);
 }
 
+TEST_CASE("one notice names all universes of a port that are not part of the run") {
+  World world;
+  std::vector<Universe> wide = universe_range(1, 512);
+  wide.push_back(600);
+  FakeSource source(world.waiter, "desk", wide);
+  world.pump().add_source(source);
+  CHECK(world.notices ==
+        std::vector<std::string>{"desk: universes 10-512,600 are not among those of this run; they stay unused"});
+}
+
 TEST_CASE("frames of universes that the source did not announce are counted and not routed") {
   World world;
   FakeSource source(world.waiter, "desk", {1, 40});

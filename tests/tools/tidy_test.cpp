@@ -195,14 +195,15 @@ TEST_CASE("hardware libraries, and those that compile slowly, are included only 
       {"libudev", R"((drivers|tests/drivers)/.*\.cpp)"},
       {"vulkan/", R"((render|tests/render)/.*|tools/footlight/preview/window.*)"},
       {"GLFW/", R"(tools/footlight/(preview/(window|preview_|key_presses|ui/keys\.|ui/panels\.)|vrsl/vrsl_window).*|)"
-                R"(tests/tools/footlight/ui_input_test.*)"},
+                R"(tests/tools/footlight/(ui_input|key_state)_test.*)"},
       {"imgui", R"(tools/footlight/preview/(window|preview_|)"
                 R"(ui/(.*panels?|draw_.*|file_dialog|menu|palette|escape|live_band|questions|rig_editor|stage_marks|)"
-                R"(toasts|)"
+                R"(start_screen|toasts|)"
                 R"(ui_theme)\.).*|)"
                 R"(tests/(tools/footlight/((panels|panel_edits|unpatched_panel|busy_panel|compare_panel|messages|)"
                 R"(devices_panel|file_dialog|library_panel|)"
-                R"(palette|inspector|shown_ui|side_panel|theme|report_panel|wheels|words_panels)_test|)"
+                R"(palette|inspector|shown_ui|side_panel|small_window|start_screen|theme|report_panel|)"
+                R"(wheels|words_panels)_test|)"
                 R"(edit_ui)|bench/ui_bench).*)"},
       {"libav", R"(tools/footlight/pictures/video.*\.cpp|tools/footlight/vrsl/(video_.*\.cpp|av_error\.h)|)"
                 R"(drivers/(sound/sound_file|av/libav)\.cpp|tests/tools/.*\.cpp)"},

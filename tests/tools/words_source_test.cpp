@@ -106,7 +106,7 @@ bool is_no_text(std::string_view call) {
       // Ids of Dear ImGui and of panels.
       "ImGui::BeginChild", "ImGui::BeginTable", "ImGui::PushID", "ImGui::InvisibleButton", "ImGui::OpenPopup",
       "ImGui::BeginPopup", "ImGui::ArrowButton", "ImGui::BeginTabBar", "ImGui::ColorPicker3", "ImGui::Begin",
-      "draw_field", "begin_table", "panel_of", "panels_.open_words",
+      "begin_line", "draw_field", "begin_table", "panel_of", "panels_.open_words",
       // Errors are English where they are made; tr_known() translates those of the window where it shows them.
       "fail", "counted",
       // Standard error and output, the environment, files.
@@ -127,7 +127,7 @@ bool is_identifier(const std::string& text) {
 bool is_excepted(const std::string& file_and_text) {
   static const std::set<std::string, std::less<>> kAll{
       // Ids of Dear ImGui that have names.
-      "devices_panel.cpp: interface", "devices_panel.cpp: output", "palette.cpp: actions",
+      "devices_panel.cpp: interface", "devices_panel.cpp: output", "devices_panel.cpp: input", "palette.cpp: actions",
       "rig_editor.cpp: edit fixtures", "timeline_panel.cpp: marker", "draw_wheels.cpp: gobo {} {} {}",
       // Words of --panels.
       "panels.cpp: keys", "panels.cpp: universes", "panels.cpp: fixtures", "panels.cpp: inspector",
@@ -140,7 +140,8 @@ bool is_excepted(const std::string& file_and_text) {
       "markers.cpp: \\n[[marker]]\\nat_s = {:.9f}\\nname = {}\\n", "preview_hand.cpp: demo",
       // Names of this program, of a sender, of a quantile and of a pass.
       "preview_panel.cpp: FOOTLIGHT", "preview_panel.cpp: p50, p90", "preview_outputs.cpp: Footlight preview",
-      "preview_open.cpp: {} - Footlight", "preview_edits.cpp: {}{} - Footlight", "preview_window.cpp: error",
+      "start_screen.cpp: Footlight", "preview_open.cpp: {} - Footlight",
+      "preview_edits.cpp: {}{} - Footlight", "preview_window.cpp: error",
       // Units.
       "file_list.cpp: kB", "file_list.cpp: MB", "file_list.cpp: GB", "file_list.cpp: TB",
       // Events for standard output.

@@ -19,6 +19,18 @@ std::string with_default(const std::string& help, Number value, Number from) {
   return value < from ? help : fmt::format("{} [{}]", help, value);
 }
 
+// CLI::Range takes NaN, which is neither below nor above a range.
+CLI::Validator range(double from, double to) {
+  return CLI::Validator(
+      [from, to](std::string& text) {
+        double value = 0;
+        const bool number = CLI::detail::lexical_cast(text, value);
+        if (number && value >= from && value <= to) return std::string();
+        return fmt::format("expected a number from {} to {}, got {}", from, to, printable_utf8(text));
+      },
+      "");
+}
+
 }  // namespace
 
 ExitCode exit_code_of(ErrorCode code) {
@@ -60,7 +72,7 @@ void Arguments::option(const std::string& names, int& value, int from, int to, c
 
 void Arguments::option(const std::string& names, double& value, double from, double to, const std::string& help) {
   app_.add_option(names, value, with_default(help, value, from))
-      ->check(CLI::Range(from, to).description(""))
+      ->check(range(from, to))
       ->type_name(fmt::format("{}..{}", from, to));
 }
 
@@ -73,7 +85,7 @@ void Arguments::option(const std::string& names, std::optional<int>& value, int 
 void Arguments::option(const std::string& names, std::optional<double>& value, double from, double to,
                        const std::string& help) {
   app_.add_option(names, value, help)
-      ->check(CLI::Range(from, to).description(""))
+      ->check(range(from, to))
       ->type_name(fmt::format("{}..{}", from, to));
 }
 

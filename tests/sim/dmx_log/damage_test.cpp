@@ -122,6 +122,25 @@ TEST_CASE("a flipped bit anywhere is reported, and every frame that is still ret
   CHECK(opened > 0);
 }
 
+TEST_CASE("all readers of a log know of the damage that one of them has met") {
+  auto bytes = small_log(few_frames());
+  const auto offsets = block_offsets(bytes);
+  REQUIRE(offsets.size() > 2);
+  bytes[offsets[1] + dmx_log::kBlockHeaderBytes] ^= 0xFF;
+  auto first = LogReader::open_bytes(std::move(bytes), "a.dmxlog");
+  REQUIRE(first);
+  LogReader second = first->again();
+  CHECK(first->damage_met().count == 0);  // nothing was read
+  (void)all_frames(second);
+  const LogReader::DamageMet met = first->damage_met();
+  CHECK(met.count == 1);
+  REQUIRE(met.first.size() == 1);
+  CHECK(met.first[0].offset == offsets[1]);
+  CHECK(first->info().damage_count == 0);
+  (void)all_frames(*first);
+  CHECK(second.damage_met().count == 1);  // the same once more
+}
+
 TEST_CASE("one flipped bit anywhere in the header loses the origin and the clock, but no frame, finished or not") {
   const auto frames = few_frames();
   LogWriterOptions options;

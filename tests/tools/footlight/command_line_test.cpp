@@ -199,6 +199,41 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
   }
 }
 
+TEST_CASE("a rig in the place of a log, a focus without an aperture, and a bridge without a socket are refused") {
+  const TempFolder folder;
+  const std::string rig = folder.file("rig.toml");
+  std::ofstream(rig) << "[rig]\nname = \"Hall\"\n[[fixture]]\nname = \"A\"\ntype = \"generic/par\"\nuniverse = 1\n"
+                        "address = 1\nposition = [0, 0, 4]\n";
+  const std::vector<std::string> is_rig = {"rig.toml: is a rig", ".dmxlog", "RIG --log LOG"};
+  std::vector<Wrong> wrongs = {
+      {{"monitor", "--socket", "none"}, 2, {"--socket none", "--socket auto", "monitor sacn:1-9"}},
+      {{"trace", rig, "--log", rig, "--at", "0s"}, 2, is_rig},
+  };
+  if (FOOTLIGHT_HAS_PICTURES != 0) {
+    const std::string png = folder.file("a.png");
+    const auto render = [&](std::vector<std::string> more) {
+      std::vector<std::string> all{"render", rig, "--lit", "--at", "0s", "-o", png};
+      all.insert(all.end(), more.begin(), more.end());
+      return all;
+    };
+    wrongs.push_back({{"render", rig, "--log", rig, "--at", "0s", "-o", png}, 2, is_rig});
+    wrongs.push_back({render({"--focus", "5"}), 2, {"--focus 5", "has no f_stop", "--f-stop 2.8"}});
+    wrongs.push_back({render({"--focus", "5", "--f-stop", "off"}), 2, {"--focus 5", "--f-stop is off"}});
+    for (const char* number : {"nan", "inf", "10001", "0.09", "near"}) {
+      wrongs.push_back({render({"--f-stop", "2", "--focus", number}), 2, {"--focus", "0.1 to 10000", number}});
+    }
+    if (footlight({"preview", "--help"}).exit_code == 0) {
+      wrongs.push_back({{"preview", rig, "--compare", rig}, 2, is_rig});
+    }
+  }
+  for (const Wrong& wrong : wrongs) {
+    const Outcome outcome = footlight(wrong.arguments);
+    CAPTURE(outcome.err);
+    CHECK(outcome.exit_code == wrong.exit_code);
+    for (const std::string& name : wrong.named) CHECK_MESSAGE(contains(outcome.err, name), name);
+  }
+}
+
 TEST_CASE("discover names a missing interface, and finds nothing on a silent one") {
   const Outcome wrong = footlight({"discover", "--interface", "eht7"});
   CHECK(wrong.exit_code == 3);

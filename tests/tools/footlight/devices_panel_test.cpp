@@ -475,6 +475,98 @@ TEST_CASE("an interface or an output that is dragged to a universe is patched to
   CHECK(moved);
 }
 
+TEST_CASE("an input that is dragged to a universe is moved to it") {
+  OutputsView view;
+  view.universes = {3, 5, 8};
+  InputsView inputs;
+  inputs.inputs = {"sacn:3", "enttec-pro:EN7=5"};
+  inputs.movable = {"enttec-pro:EN7=5"};
+  Ui ui(&view);
+  ui.inputs = &inputs;
+  for (int i = 0; i < 3; ++i) ui.frame();
+  ImGuiIO& io = ImGui::GetIO();
+  const auto drag = [&](ImVec2 from, ImVec2 to) {
+    io.MousePos = from;
+    ui.frame();
+    io.MouseDown[0] = true;
+    ui.frame();
+    io.MousePos = {(from.x + to.x) / 2, (from.y + to.y) / 2};
+    for (int i = 0; i < 2; ++i) ui.frame();
+    io.MousePos = to;
+    for (int i = 0; i < 2; ++i) ui.frame();
+    io.MouseDown[0] = false;
+    for (int i = 0; i < 2; ++i) ui.frame();
+  };
+  const ImRect body = Ui::body();
+  bool moved = false;
+  for (float from = body.Min.y; from < body.Max.y && !moved; from += 8) {
+    for (float to = from + 20; to < body.Max.y && !moved; to += 8) {
+      inputs.move.reset();
+      drag({body.Min.x + 30, from}, {body.Min.x + 24, to});
+      moved = inputs.move.has_value();
+    }
+  }
+  REQUIRE(moved);
+  CHECK(inputs.move->input == "enttec-pro:EN7=5");
+  CHECK(inputs.move->to == 3);
+}
+
+TEST_CASE("an output that is off is removed by one click, and a live one after a question") {
+  OutputsView view = two_outputs();
+  view.rows[1].state = ArmState::kArmed;
+  Ui ui(&view);
+  const auto remove = [&](int row) {
+    const ImGuiWindow* const panel = ImGui::FindWindowByName("###Devices");
+    REQUIRE(panel != nullptr);
+    const ImGuiID table = ImHashStr("outputs", 0, panel->ID);
+    ImGui::ActivateItem(ImHashStr("###remove", 0, ImHashData(&row, sizeof(row), table)));
+    for (int i = 0; i < 3; ++i) ui.frame();
+  };
+  remove(0);
+  CHECK(view.remove == std::vector<std::size_t>{0});
+  CHECK(!Ui::asks());
+  view.remove.clear();
+  remove(1);
+  CHECK(view.remove.empty());
+  REQUIRE(Ui::asks());
+  CHECK(has(ui.words(), "enttec-pro:EN1 is live. Its lamps get zeros, and it is closed."));
+  testing::activate("###Remove a live output?", {"###Leave it"});
+  for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(view.remove.empty());
+  CHECK(!Ui::asks());
+  remove(1);
+  testing::activate("###Remove a live output?", {"###Remove it"});
+  for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(view.remove == std::vector<std::size_t>{1});
+  CHECK(!Ui::asks());
+}
+
+TEST_CASE("a question about an output that leaves the list meanwhile is closed") {
+  OutputsView view = two_outputs();
+  Ui ui(&view);
+  testing::activate("###Devices", {"###arm all ..."});
+  for (int i = 0; i < 3; ++i) ui.frame();
+  REQUIRE(Ui::asks());
+  view.rows.erase(view.rows.begin());
+  for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(Ui::asks());  // about all that there are
+  testing::activate("###Send to real lamps?", {"###Leave it"});
+  for (int i = 0; i < 3; ++i) ui.frame();
+  view = two_outputs();
+  view.rows.push_back(view.rows[1]);
+  view.rows[2].endpoint = "enttec-pro:EN2";
+  const int row = 1;  // after it another output has this row
+  const ImGuiID table = ImHashStr("outputs", 0, ImGui::FindWindowByName("###Devices")->ID);
+  ui.frame();
+  ImGui::ActivateItem(ImHashStr("###arm ...", 0, ImHashData(&row, sizeof(row), table)));
+  for (int i = 0; i < 3; ++i) ui.frame();
+  REQUIRE(Ui::asks());
+  view.rows.erase(view.rows.begin());
+  for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(!Ui::asks());
+  CHECK(view.arm.empty());
+}
+
 TEST_CASE("the band names what is live, and a blackout") {
   OutputsView view = two_outputs();
   CHECK(live_words(view).empty());

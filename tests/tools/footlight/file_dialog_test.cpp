@@ -5,6 +5,8 @@
 #include <string>
 #include <thread>
 
+#include <sys/stat.h>
+
 #include <imgui/imgui.h>
 
 #include <doctest/doctest.h>
@@ -36,7 +38,11 @@ struct DialogUi : testing::DrawnUi {
     std::ofstream(folder.file("shows/notes.txt")) << "text";
   }
   void draw() override {
-    if (auto one = dialog.draw(1)) chosen = one;
+    dialog.draw(1, [this](const FileDialog::Chosen& one) -> Status {
+      if (!refuses.empty()) return fail(ErrorCode::kIo, "{}", refuses);
+      chosen = one;
+      return {};
+    });
   }
   void open(FileDialog::Use use, const std::string& name = "") {
     dialog.open({use, folder.file("shows"), name, folder.path().string(), {{"home", folder.path().string()}}});
@@ -72,7 +78,8 @@ struct DialogUi : testing::DrawnUi {
   testing::HeadlessImGui imgui{1280, 720};
   const testing::TempFolder folder;
   FileDialog dialog;
-  std::optional<FileDialog::Chosen> chosen;
+  std::optional<FileDialog::Chosen> chosen;  // and taken
+  std::string refuses;                       // with this error; empty: nothing
 };
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
@@ -147,6 +154,42 @@ TEST_CASE("a file is saved under the name in the field, and one that is there is
   REQUIRE(ui.chosen);
   CHECK(!ui.chosen->replaces);
   CHECK(ui.chosen->path == ui.folder.file("shows/second.toml"));
+}
+
+TEST_CASE("a dialog whose file cannot be saved stays open with the reason, and closes once it is saved") {
+  DialogUi ui;
+  ui.refuses = "hall.toml: the disk is full";
+  ui.open(FileDialog::Use::kSave, "hall.toml");
+  ui.press_id("###Save");
+  ui.press_id("###Replace");
+  CHECK(ui.dialog.is_open());
+  CHECK(has(ui.words(), "the disk is full"));
+  CHECK(!has(ui.words(), "There is a file"));
+  ui.refuses.clear();
+  ui.press_id("###Save");
+  CHECK(!has(ui.words(), "the disk is full"));
+  ui.press_id("###Replace");
+  CHECK(ui.chosen);
+  CHECK(!ui.dialog.is_open());
+}
+
+TEST_CASE("a rig is not saved without a name, as a folder, as a pipe or as a device") {
+  DialogUi ui;
+  fs::create_directories(ui.folder.file("shows/old.toml"));
+  REQUIRE(mkfifo(ui.folder.file("shows/pipe.toml").c_str(), 0600) == 0);
+  fs::create_symlink("/dev/null", ui.folder.file("shows/null.toml"));
+  for (const auto& [name, said] : {std::pair{".toml", "no name before its ending"},
+                                   {"old", "is a folder"},
+                                   {"pipe.toml", "is a pipe or a device"},
+                                   {"null.toml", "is a pipe or a device"}}) {
+    CAPTURE(name);
+    ui.open(FileDialog::Use::kSave, name);
+    ui.press_id("###Save");
+    CHECK(!ui.chosen);
+    CHECK(ui.dialog.is_open());
+    CHECK(has(ui.words(), said));
+    CHECK(!has(ui.words(), "There is a file"));
+  }
 }
 
 TEST_CASE("a folder that cannot be read is named, and a file that is not there opens nothing") {

@@ -256,9 +256,48 @@ TEST_CASE("with a dead man's switch an armed output sends the picture from the p
   CHECK(turns_until([&] { return window.wires[0]->last() == 200; }));
   held = false;
   CHECK(turns_until([&] { return window.wires[0]->last() == 0; }));
-  for (const std::string& notice : window.outputs->notices()) {
-    CHECK(notice.find("blackout") == std::string::npos);  // not at each press
-  }
+  const std::vector<std::string> notices = window.outputs->notices();
+  REQUIRE(!notices.empty());
+  CHECK(notices[0] ==
+        "sacn:1-2: armed: it sends zeros until End is held, then the levels of the picture to real lamps");
+  for (const std::string& notice : notices) CHECK(notice.find("blackout") == std::string::npos);  // not at each press
+}
+
+TEST_CASE("an output that is removed while it is live ends dark, is closed, and only then leaves the list") {
+  Window window;
+  window.view.arm = {0, 1};
+  REQUIRE(window.until(200, [&] { return window.wires[0]->last() == 200 && window.wires[1]->last() == 200; }));
+  window.view.remove = {0};
+  window.picture(200);
+  REQUIRE(window.until(200, [&] { return window.view.rows.size() == 1; }));
+  CHECK(window.wires[0]->last() == 0);
+  CHECK(window.wires[0]->closed_count() == 1);
+  CHECK(window.view.rows[0].endpoint == "artnet:1");
+  CHECK(window.armed(0));
+  window.view.disarm = {0};
+  REQUIRE(window.until(200, [&] { return window.off(0); }));
+  window.view.remove = {0};
+  window.picture(200);
+  CHECK(window.view.rows.empty());
+  auto plan = plan_outputs(std::vector<std::string>{"sacn:1-2"}, scene_of(kUiRig));
+  REQUIRE(plan);
+  CHECK(window.outputs->add(std::move(plan->outputs[0])));
+  window.picture(200);
+  REQUIRE(window.view.rows.size() == 1);
+  CHECK(window.off(0));
+}
+
+TEST_CASE("an output that is removed while it opens is never armed") {
+  Window window;
+  window.waits = true;
+  window.view.arm = {0};
+  window.picture(200);
+  window.view.remove = {0};
+  window.picture(200);
+  CHECK(window.view.rows.size() == 2);
+  window.waits = false;
+  REQUIRE(window.until(200, [&] { return window.view.rows.size() == 1; }));
+  CHECK(window.wires[0]->so_far().empty());
 }
 
 TEST_CASE("the end of the window leaves lamps dark and closes what was armed") {

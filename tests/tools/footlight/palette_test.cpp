@@ -1,6 +1,7 @@
 // The field that searches actions, without a window.
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <iterator>
 #include <map>
 #include <string>
@@ -100,6 +101,85 @@ TEST_CASE("the list of actions has every key that the table shows, every panel a
     const bool is_so = item.call == UiCall{UiAction::kTone, 0};  // the picture has this curve
     CHECK_MESSAGE(item.possible() != is_so, item.label, ": ", item.why_not);
   }
+}
+
+// The names of UiAction in their order, as the source has them.
+std::vector<std::string> names_of_actions() {
+  std::ifstream file(FOOTLIGHT_SOURCE_DIR "/tools/footlight/preview/ui/keys.h");
+  std::vector<std::string> names;
+  bool inside = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("};")) inside = false;
+    const std::size_t name = line.find_first_not_of(' ');
+    if (inside && name != std::string::npos && line[name] == 'k') {
+      names.push_back(line.substr(name, line.find(',', name) - name));
+    }
+    if (line.starts_with("enum class UiAction")) inside = true;
+  }
+  return names;
+}
+
+TEST_CASE("every action of the list is carried out by the window, by its outputs or by the desk") {
+  std::string source;
+  for (const char* path : {"preview_input.cpp", "preview_outputs.cpp", "ui/run_action.cpp"}) {
+    std::ifstream file(std::string(FOOTLIGHT_SOURCE_DIR "/tools/footlight/preview/") + path);
+    REQUIRE(file.is_open());
+    source += std::string{std::istreambuf_iterator<char>(file), {}};
+  }
+  const std::vector<std::string> names = names_of_actions();
+  REQUIRE(names.size() == static_cast<std::size_t>(UiAction::kEscape) + 1);
+  CHECK(names.back() == "kEscape");
+  CHECK(names[static_cast<std::size_t>(UiAction::kLibrary)] == "kLibrary");
+  const auto is_done = [&](const std::string& name) {
+    return contains(source, "case UiAction::" + name + ":") || contains(source, "action == UiAction::" + name) ||
+           contains(source, "action != UiAction::" + name);
+  };
+  CHECK(!is_done("kNothingOfThisName"));
+  const PaletteUi one;
+  for (const UiActionItem& item : action_items(one.ui.desk, true, &one.outputs)) {
+    const std::string& name = names[static_cast<std::size_t>(item.call.action)];
+    CHECK_MESSAGE(is_done(name), name, " of the action '", item.label, "' does nothing");
+  }
+}
+
+// What actions of the desk change.
+std::string seen_of(const UiDesk& desk) {
+  const UiState& state = desk.state();
+  std::string seen;
+  const auto add = [&](auto value) { seen += std::to_string(value) + " "; };
+  add(state.revision);
+  add(state.selection.fixtures.size());
+  add(state.taken.size());
+  add(static_cast<int>(state.look.tone));
+  add(static_cast<int>(desk.handles()));
+  add(static_cast<int>(desk.highlights()));
+  add(static_cast<int>(desk.locates()));
+  add(static_cast<int>(desk.measure().on));
+  add(static_cast<int>(desk.floor_lines()));
+  add(static_cast<int>(desk.comparison().a.has_value()));
+  add(static_cast<int>(desk.fly().on()));
+  add(static_cast<int>(desk.flashes()));
+  return seen;
+}
+
+TEST_CASE("every action that needs no window changes something on the desk where the list says that it can") {
+  std::size_t ran = 0;
+  const auto items = [] {
+    const PaletteUi one;
+    return action_items(one.ui.desk, true, &one.outputs);
+  }();
+  for (const UiActionItem& item : items) {
+    PaletteUi fresh;
+    UiDesk& desk = fresh.ui.desk;
+    if (!why_not(item.call, desk, true, &fresh.outputs).empty()) continue;
+    if (item.call.action == UiAction::kReleaseAll) REQUIRE(!desk.state().taken.empty());
+    const std::string before = seen_of(desk);
+    const auto news = run_on_desk(desk, item.call);
+    if (!news) continue;  // needs the window
+    ++ran;
+    CHECK_MESSAGE((seen_of(desk) != before || !news->text.empty()), item.label);
+  }
+  CHECK(ran > 15);
 }
 
 TEST_CASE("keys belong to the palette from the moment it is asked for") {

@@ -73,6 +73,7 @@ class HeadlessUi final : public testing::DrawnUi {
   testing::HeadlessImGui imgui;
   Transport* transport = nullptr;
   const LightCurve* curve = nullptr;
+  const LightCurve* selected_curve = nullptr;
   const Thumbnails* thumbnails = nullptr;
   UiDesk desk;
   UiPanels open;
@@ -87,6 +88,7 @@ class HeadlessUi final : public testing::DrawnUi {
     input.now_ns = now_ns;
     input.transport = transport;
     input.curve = curve;
+    input.selected_curve = selected_curve;
     input.thumbnails = thumbnails;
     open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
   }
@@ -536,6 +538,31 @@ TEST_CASE(
   CHECK(draw(true));
   CHECK(ui.desk.state().selection.lead == -1);
   CHECK(!draw(true));
+}
+
+TEST_CASE("the timeline has a line of its own for the selected fixtures, and says so") {
+  const auto rig = compiled_rig(parsed_rig(kUiRig));
+  HeadlessUi ui(rig);
+  Transport transport;
+  transport.duration_ns = transport.known_ns = 10 * kNsPerS;
+  LightCurve curve(rig.rig, ui.desk.index());
+  for (int s = 0; s < 10; ++s) curve.add(s * kNsPerS, ui.levels);
+  ui.transport = &transport;
+  ui.curve = &curve;
+  ui.show(kTimeline);
+  CHECK(ui.words().find("of the selected ones") == std::string::npos);
+  const auto drawn = [&] {
+    ui.frame();
+    return ImGui::GetDrawData()->TotalVtxCount;
+  };
+  LightCurve point(rig.rig, ui.desk.index());
+  point.add(0, ui.levels);
+  ui.selected_curve = &point;
+  ui.frame();
+  const int without_line = drawn();
+  ui.selected_curve = &curve;
+  CHECK(drawn() > without_line + 9);  // from moment to moment
+  CHECK(ui.words().find("of the selected ones") != std::string::npos);
 }
 
 TEST_CASE("a click on the timeline seeks to the time under it, and a slow seek waits for the release") {

@@ -148,10 +148,12 @@ TEST_CASE("a window that is killed with unsaved edits and a recording leaves bot
   CHECK(log.exit_code == 0);
 
   KeyWindow window(folder, display, {"--size", "640x180"});
-  // Along the line at the top: the first button is Recover.
-  for (int x = 240; x < 620 && !window.program().has_printed("\"event\":\"loading\"", 2); x += 8) {
-    window.click(x, 22);
-    std::this_thread::sleep_for(kKeyPause);
+  // Along the line at the top, and below it, where the buttons are if they do not fit: the first one is Recover.
+  for (const int y : {22, 42}) {
+    for (int x = 12; x < 620 && !window.program().has_printed("\"event\":\"loading\"", 2); x += 8) {
+      window.click(x, y);
+      std::this_thread::sleep_for(kKeyPause);
+    }
   }
   REQUIRE(window.prints("\"event\":\"loading\"", 2));
   REQUIRE(window.prints("\"unsaved\":true"));

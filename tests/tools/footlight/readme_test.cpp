@@ -67,6 +67,7 @@ constexpr Special kSpecials[] = {
     {"footlight run show.toml --metrics 127.0.0.1:9477", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight run show.toml --flashes limit --rig rig.toml", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight run show.toml --log-format json", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight preview", "footlight preview --help", "", 0, kWindow},
     {"footlight preview --demo", "footlight render --demo --at 1s -o preview1.png", kSmall, 0, kWindow},
     {"footlight preview rig.toml --in sacn:1-9", "footlight render rig.toml --at 1s -o preview2.png", kSmall, 0,
      kWindow},

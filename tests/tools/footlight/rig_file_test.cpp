@@ -8,6 +8,7 @@
 #include <iterator>
 #include <random>
 
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -88,6 +89,23 @@ TEST_CASE("a rig that is saved as another file belongs to that from then on, and
   lift(show, {0});
   CHECK(saved(show).path == folder.file("b.toml"));
   CHECK(fixtures::position_of(opened_file(folder.file("b.toml")).rig().fixtures[0]).z == 6);
+}
+
+TEST_CASE("a rig is not saved as a name without a beginning, a folder or a pipe, and stays that of its file") {
+  const TempFolder folder;
+  RigFile show = opened_file(write_show(folder));
+  fs::create_directories(folder.file("old.toml"));
+  REQUIRE(mkfifo(folder.file("pipe.toml").c_str(), 0600) == 0);
+  for (const auto& [name, said] : {std::pair{".toml", "no name before its ending"}, {"old.toml", "is a folder"},
+                                   {"pipe.toml", "is a pipe or a device"}}) {
+    CAPTURE(name);
+    const auto report = show.save_as(folder.file(name), true);
+    REQUIRE(!report);
+    CHECK(contains(report.error().message, said));
+    CHECK(show.target() == folder.file("show.toml"));
+  }
+  CHECK(fs::is_fifo(folder.file("pipe.toml")));
+  CHECK(!fs::exists(folder.file(".toml")));
 }
 
 constexpr const char* kGoboHead =

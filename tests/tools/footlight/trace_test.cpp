@@ -1,4 +1,5 @@
 // footlight trace: values of heads over time, compared with closed forms and the walker.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -277,6 +278,29 @@ TEST_CASE("invalid arguments of trace are reported, and no file is left") {
   CHECK(nowhere.exit_code == 1);
   CHECK(contains(nowhere.err, "no/x.csv: cannot be written"));
   CHECK(contains(footlight({"trace", "--at", "1s", "--demo", rig}).err, "not both"));
+}
+
+TEST_CASE("one warning says what of a damaged log is left out, and none that of a whole one") {
+  const TempFolder folder;
+  const std::string rig = folder.file("rig.toml");
+  const std::string log = folder.file("show.dmxlog");
+  std::ofstream(rig) << kRig;
+  const auto bytes = demo::demo_log_bytes();
+  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::ofstream(log, std::ios::binary) << text;
+  const Outcome whole = footlight({"trace", rig, "--log", log, "--every", "20s"});
+  REQUIRE(whole.exit_code == 0);
+  CHECK(whole.err.empty());
+  const std::size_t middle = text.size() / 2;
+  for (std::size_t i = 0; i < 16; ++i) text[middle + i] = static_cast<char>(~text[middle + i]);
+  std::ofstream(log, std::ios::binary) << text;
+  const Outcome damaged = footlight({"trace", rig, "--log", log, "--every", "20s"});
+  CAPTURE(damaged.err);
+  CHECK(damaged.exit_code == 0);
+  CHECK(contains(damaged.err, log + ": damaged at byte "));
+  CHECK(contains(damaged.err, ": 1 part of "));
+  CHECK(contains(damaged.err, "'footlight log info"));
+  CHECK(std::count(damaged.err.begin(), damaged.err.end(), '\n') == 1);
 }
 
 }  // namespace

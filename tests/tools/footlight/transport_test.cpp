@@ -141,5 +141,25 @@ TEST_CASE("the light of a rig is the mean level of its dimmers, whatever else mo
   CHECK(curve.points()[2].light == 0);
 }
 
+TEST_CASE("the light of some fixtures is the mean level of their dimmers alone") {
+  const testing::UiRig rig = testing::compiled_rig(testing::taken(fixtures::parse_rig(testing::kUiRig, "ui.toml")));
+  const RigIndex index(rig.rig, rig.compiled);
+  REQUIRE(rig.rig.fixtures.size() > 1);
+  const auto light_of = [&](std::vector<int> which, int lit) {
+    std::vector<std::uint8_t> levels(rig.compiled.universes.size() * kSlotCountMax, 0);
+    for (int channel = 0; channel < static_cast<int>(index.channel_count(lit)); ++channel) {
+      index.write({lit, channel}, fixtures::raw_max(index.channel({lit, channel}).byte_count), levels);
+    }
+    LightCurve curve(rig.rig, index, which);
+    curve.add(0, levels);
+    return curve.points().front().light;
+  };
+  CHECK(light_of({0}, 0) == 1);
+  CHECK(light_of({1}, 0) == 0);
+  CHECK(light_of({0, 1}, 0) == doctest::Approx(0.5));
+  CHECK(light_of({0, -1, 1000}, 0) == 1);  // as after an edit that the rig of the curve does not have yet
+  CHECK(light_of({}, 0) < 1);
+}
+
 }  // namespace
 }  // namespace footlight::tools

@@ -188,6 +188,14 @@ TEST_CASE("texts of edits are known by their forms, with their counts, and error
   CHECK(tr_known("rename 2 fixtures to Par 1 ...") == "<<rename <<2 fixtures>> to Par 1 ...>>");
   CHECK(tr_known("delete the camera stalls") == "<<delete the camera stalls>>");
   CHECK(tr_known("sacn:1: lost: no route") == "<<sacn:1: lost: no route>>");
+  for (const char* notice :
+       {"sacn:1-9: universe 4 is not among those of this run; it stays unused",
+        "sacn:1-9: universes 4-9 are not among those of this run; they stay unused",
+        "a.dmxlog: damaged at byte 12: 2 parts of 90 bytes left out, where levels stay as they were; 'footlight log "
+        "info a.dmxlog' lists them",
+        "sacn:1: armed: it sends zeros until End is held, then the levels of the picture to real lamps"}) {
+    CHECK_MESSAGE(tr_known(notice).starts_with(testing::kOpens), notice);
+  }
   CHECK(tr_known("Spots of the fixtures") == "Spots of the fixtures");
   CHECK(tr_known("rig.toml:12: address 530 is past 512. Use 1 to 512.") ==
         "rig.toml:12: address 530 is past 512. Use 1 to 512.");

@@ -135,6 +135,11 @@ Result<std::unique_ptr<Feed>> open_feed(const Options& options, Clock& clock) {
     FL_ASSIGN(std::unique_ptr<Feed> feed, OwnFeed::start(options, clock));
     return feed;
   }
+  if (options.socket == "none") {
+    return fail(ErrorCode::kBadInput,
+                "monitor --socket none: a bridge without a socket cannot be watched; start it with --socket auto and "
+                "leave out --socket here, or name an input, for example 'footlight monitor sacn:1-9'");
+  }
   if (!options.socket.empty()) return std::make_unique<SocketFeed>(options.socket);
   FL_ASSIGN(std::string socket, find_bridge("monitor", ", or name an input, for example 'footlight monitor sacn:1-9'"));
   return std::make_unique<SocketFeed>(std::move(socket));

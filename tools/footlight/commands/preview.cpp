@@ -104,7 +104,7 @@ void add(Arguments& arguments) {
     FL_TRY(take_penumbra(*penumbra, options->display));
     FL_ASSIGN(options->bounce, parse_bounce(*bounce));
     FL_TRY(take_camera_words(*camera_words, options->display));
-    FL_TRY(take_lens(*camera_words, {}, options->display));
+    FL_TRY(parse_f_stop(camera_words->f_stop));
     options->camera_words = *camera_words;
     FL_ASSIGN(options->flashes, flash_mode_of(*flashes));
     FL_ASSIGN(options->quality, render::parse_quality(*error, *ms));
@@ -127,6 +127,7 @@ extern const CommandInfo preview_command{
     .name = "preview",
     .help = "Show a rig in a window: from a log, live from the network or a device, or with faders",
     .examples =
+        "  footlight preview                                   a start screen: the demo, recent rigs, a file\n"
         "  footlight preview --demo\n"
         "  footlight preview rig.toml --log show.dmxlog --at 12.5s\n"
         "  footlight preview rig.toml --in sacn:1-9            live\n"

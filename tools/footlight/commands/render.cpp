@@ -16,6 +16,7 @@
 #include "tools/footlight/pictures/exr_file.h"
 #include "tools/footlight/pictures/flash_watch.h"
 #include "tools/footlight/pictures/frame_options.h"
+#include "tools/footlight/pictures/log_damage.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/pictures/scene_files.h"
 #include "tools/footlight/pictures/shown_view.h"
@@ -422,10 +423,13 @@ Result<int> render_pictures(const Options& options) {
   FL_ASSIGN(const PictureSize size, parse_size(options.size));
   FL_ASSIGN(fixtures::Rig rig, load_scene_rig(options.files));
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options.files));
+  const DamageWarning warning(log);
   FL_ASSIGN(DisplayVideos videos, DisplayVideos::open(rig, ClipPace::kExact));
   const bool by_hand = options.lit || !options.sets.empty();
   add_start_view(rig, static_cast<double>(size.width) / size.height, log || by_hand);
   FL_ASSIGN(const fixtures::Camera camera, find_camera(rig, options.camera));
+  render::FrameSettings settings = chosen.settings;
+  FL_TRY(take_lens(options.camera_words, camera, settings));
   if (by_hand) give_hand_addresses(rig);
   const double exposure_ev = options.exposure_ev.value_or(camera.exposure_ev);
   const double usual_lx = by_hand ? faint_light_lx(exposure_ev) : log ? 0 : work_light_lx(exposure_ev);
@@ -436,7 +440,6 @@ Result<int> render_pictures(const Options& options) {
   FL_ASSIGN(const auto device,
             render::vk::Device::create({.name_contains = options.device, .cache_folder = cache_folder()}));
   for (const std::string& note : device->notes()) fmt::print(stderr, "footlight: {}\n", note);
-  render::FrameSettings settings = chosen.settings;
   settings.width = size.width * options.supersample;
   settings.height = size.height * options.supersample;
   settings.edge_samples = render::suited_edge_samples(*device);
@@ -447,7 +450,6 @@ Result<int> render_pictures(const Options& options) {
   FL_TRY(take_penumbra(options.penumbra, settings));
   FL_ASSIGN(settings.bounce, parse_bounce(options.bounce));
   FL_TRY(take_camera_words(options.camera_words, settings));
-  FL_TRY(take_lens(options.camera_words, camera, settings));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
   settings.gate_builds = FL_GATES_MAX;  // a picture may wait for all of them
   // Samples need no images of gates.

@@ -12,6 +12,7 @@
 #include "sim/file_kind.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/pictures/log_damage.h"
 #include "tools/footlight/pictures/scene_files.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/hand_levels.h"
@@ -159,6 +160,7 @@ Result<int> trace_heads(const Options& options) {
   const StopSignal stop;
   FL_ASSIGN(fixtures::Rig rig, load_scene_rig(options.files));
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options.files));
+  const DamageWarning warning(log);
   const bool by_hand = options.lit || !options.sets.empty();
   if (by_hand) give_hand_addresses(rig);
   FL_ASSIGN(DrivenRig driven, compile_driven(rig, std::move(log)));

@@ -125,6 +125,21 @@ std::optional<FileMark> mark_of_file(const std::string& path) {
   return mark;
 }
 
+Status check_rig_target(const std::string& path) {
+  const std::string name = fs::path(path).filename().string();
+  if (name.empty() || name == ".toml" || name == "." || name == "..") {
+    return fail(ErrorCode::kBadInput, "{}: has no name before its ending; expected one such as show.toml", path);
+  }
+  std::error_code trouble;
+  if (fs::is_directory(path, trouble)) {
+    return fail(ErrorCode::kBadInput, "{}: is a folder; choose another name", path);
+  }
+  if (is_pipe_or_device(path)) {
+    return fail(ErrorCode::kBadInput, "{}: is a pipe or a device; choose another name", path);
+  }
+  return {};
+}
+
 Result<RigFile> RigFile::open(const std::string& path, const fixtures::Library* library,
                               fixtures::Diagnostics& diagnostics, const fixtures::GoOn& go_on) {
   RigFile file;
@@ -203,6 +218,7 @@ Result<SaveReport> RigFile::save() {
 }
 
 Result<SaveReport> RigFile::save_as(const std::string& path, bool replaces) {
+  FL_TRY(check_rig_target(path));
   const std::string target = std::exchange(target_, path);
   const std::optional<FileMark> known = std::exchange(known_, replaces ? mark_of_file(path) : std::nullopt);
   const bool saved = std::exchange(saved_, false);

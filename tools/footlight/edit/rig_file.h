@@ -23,6 +23,10 @@ struct FileMark {
 // Nothing: there is no such file, or it cannot be read.
 [[nodiscard]] std::optional<FileMark> mark_of_file(const std::string& path);
 
+// Whether a rig file can have this path: kBadInput for a name with nothing before its ending, a folder, a pipe and a
+// device. Folders above are not looked at.
+[[nodiscard]] Status check_rig_target(const std::string& path);
+
 struct SaveReport {
   std::string path;
   std::string old;  // where the file from before is kept; empty: it was not kept now

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <optional>
 
+#include "fixtures/files/toml/scenery_toml.h"
 #include "render/display.h"
 #include "render/quality.h"
 #include "tools/footlight/status/status_text.h"
@@ -115,25 +116,32 @@ void add_camera_arguments(Arguments& arguments, CameraWords& words) {
   arguments.option("--f-stop", words.f_stop, "N",
                    "depth of field: focal length over aperture, as in 2.8, of a lens before a sensor 24 mm high; off: "
                    "all is sharp; camera: as the rig's camera says [camera]");
-  arguments.option("--focus", words.focus_m, fixtures::kFocusMinM, 1e5,
+  arguments.option("--focus", words.focus_m, fixtures::kFocusMinM, fixtures::kRigPositionMaxM,
                    "metres from the camera to what is sharp with --f-stop; default: the camera's own");
   arguments.flag("--auto-exposure", words.auto_exposure,
                  "the exposure follows the light (time constant 1 s): 1 % of the pixels are brighter than 1.2 x 2^EV "
                  "cd/m2");
 }
 
+Result<std::optional<double>> parse_f_stop(const std::string& text) {
+  if (text == "camera") return std::nullopt;
+  if (text == "off") return 0.0;
+  double f_stop = 0;
+  const char* const end = text.data() + text.size();
+  const auto [read, error] = std::from_chars(text.data(), end, f_stop);
+  if (error == std::errc{} && read == end && f_stop >= fixtures::kFStopMin && f_stop <= fixtures::kFStopMax) {
+    return f_stop;
+  }
+  return fail(ErrorCode::kBadInput, "--f-stop {}: expected camera, off or {} to {}, as in 2.8", printable_utf8(text),
+              fixtures::kFStopMin, fixtures::kFStopMax);
+}
+
 Status take_lens(const CameraWords& words, const fixtures::Camera& camera, render::FrameSettings& settings) {
-  settings.f_stop = camera.f_stop;
-  if (words.f_stop == "off") {
-    settings.f_stop = 0;
-  } else if (words.f_stop != "camera") {
-    const char* const end = words.f_stop.data() + words.f_stop.size();
-    const auto [read, error] = std::from_chars(words.f_stop.data(), end, settings.f_stop);
-    if (error != std::errc{} || read != end || !(settings.f_stop >= fixtures::kFStopMin) ||
-        !(settings.f_stop <= fixtures::kFStopMax)) {
-      return fail(ErrorCode::kBadInput, "--f-stop {}: expected camera, off or {} to {}, as in 2.8",
-                  printable_utf8(words.f_stop), fixtures::kFStopMin, fixtures::kFStopMax);
-    }
+  FL_ASSIGN(const std::optional<double> f_stop, parse_f_stop(words.f_stop));
+  settings.f_stop = f_stop.value_or(camera.f_stop);
+  if (words.focus_m && settings.f_stop == 0) {
+    return fail(ErrorCode::kBadInput, "--focus {}: {}, so nothing is out of focus; add --f-stop 2.8", *words.focus_m,
+                f_stop ? "--f-stop is off" : fmt::format("the camera {} has no f_stop", printable_utf8(camera.name)));
   }
   const double target_m = glm::distance(camera.position_m, camera.target_m);
   settings.focus_m = std::max(words.focus_m.value_or(camera.focus_m > 0 ? camera.focus_m : target_m),

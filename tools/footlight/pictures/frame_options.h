@@ -49,7 +49,10 @@ struct CameraWords {
 };
 void add_camera_arguments(Arguments& arguments, CameraWords& words);
 Status take_camera_words(const CameraWords& words, render::FrameSettings& settings);
-// Depth of field of the words, or else of the camera. kBadInput for a word that is no f-stop.
+// Of "off", which is 0, or "2.8"; nothing of "camera", whose own it is.
+[[nodiscard]] Result<std::optional<double>> parse_f_stop(const std::string& text);
+// Depth of field of the words, or else of the camera. kBadInput for a word that is no f-stop, and for a focus without
+// one.
 Status take_lens(const CameraWords& words, const fixtures::Camera& camera, render::FrameSettings& settings);
 
 }  // namespace footlight::tools

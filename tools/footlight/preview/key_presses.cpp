@@ -34,10 +34,16 @@ void KeyPresses::take_character(unsigned int character) {
   presses_.push_back({kTyped + static_cast<int>(character), 0, repeated_});
 }
 
-void HeldKey::take_key(int key, int action) {
+void HeldKey::take_key(int key, int action, int scancode) {
   if (key != key_ || !focused_) return;
   if (action == GLFW_RELEASE) state_ = State::kUp;
-  if (action == GLFW_PRESS && state_ == State::kUp) state_ = State::kDown;
+  if (action != GLFW_PRESS || state_ != State::kUp) return;
+  state_ = State::kDown;
+  scancode_ = scancode;
+}
+
+void HeldKey::take_state(bool down) {
+  if (!down && held()) let_go();
 }
 
 void HeldKey::take_focus(bool focused) {

@@ -46,7 +46,11 @@ class HeldKey {
   // A GLFW_KEY_..., wherever the layout of the keyboard has it.
   explicit HeldKey(int key) : key_(key) {}
   // As GLFW's callback gives them. A repeat presses nothing.
-  void take_key(int key, int action);
+  void take_key(int key, int action, int scancode = 0);
+  // What the keyboard itself says of scancode(), as key_is_down() (key_state.h) has it: a release may not be reported.
+  // It cannot press anything.
+  void take_state(bool down);
+  [[nodiscard]] int scancode() const { return scancode_; }  // of the last press that counted
   // As GLFW's callback gives it. GLFW makes up releases of all keys after it: they count only while focused.
   void take_focus(bool focused);
   // The key has to go up and down again: for a window that is iconified.
@@ -57,6 +61,7 @@ class HeldKey {
   enum class State { kUnknown, kUp, kDown };
   int key_;
   State state_ = State::kUnknown;
+  int scancode_ = 0;
   bool focused_ = true;  // until a callback says otherwise
 };
 

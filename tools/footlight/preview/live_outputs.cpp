@@ -205,7 +205,7 @@ void LiveOutputs::give(std::span<const Universe> universes, std::span<const std:
 
 void LiveOutputs::arm(std::size_t index) {
   Output& output = outputs_.at(index);
-  if (output.state != ArmState::kOff) return;
+  if (output.state != ArmState::kOff || output.removing) return;
   output.state = ArmState::kOpening;
   output.cancelled = false;
   output.trouble.clear();
@@ -230,7 +230,8 @@ void LiveOutputs::take_opened(Output& output) {
     feed_->count_armed(1);
     pump_->add_sink(*sink);
   });
-  note(fmt::format("{}: armed: it sends the levels of the picture {}", name,
+  note(fmt::format("{}: armed: it sends {}the levels of the picture {}", name,
+                   needs_hold_ ? "zeros until End is held, then " : "",
                    is_made_up(output.plan.endpoint) ? "to no lamp, since it is made up" : "to real lamps"));
 }
 
@@ -250,6 +251,11 @@ void LiveOutputs::disarm(std::size_t index) {
   note(fmt::format("{}: disarmed: it ends with zeros", output.plan.endpoint.text));
 }
 
+void LiveOutputs::remove(std::size_t index) {
+  outputs_.at(index).removing = true;
+  disarm(index);
+}
+
 void LiveOutputs::black_out() {
   feed_->black_out();
   pump_->call([this] { feed_->hurry(); });
@@ -262,6 +268,7 @@ void LiveOutputs::lift() {
 
 void LiveOutputs::need_hold(bool on) {
   const Darkness before = darkness();
+  needs_hold_ = on;
   feed_->need_hold(on);
   if (darkness() != before) pump_->call([this] { feed_->hurry(); });
 }
@@ -275,17 +282,21 @@ void LiveOutputs::hold(bool held) {
 void LiveOutputs::follow(OutputsView& view) {
   for (const std::size_t index : std::exchange(view.arm, {})) arm(index);
   for (const std::size_t index : std::exchange(view.disarm, {})) disarm(index);
+  for (const std::size_t index : std::exchange(view.remove, {})) remove(index);
   if (const auto blackout = std::exchange(view.blackout, std::nullopt)) *blackout ? black_out() : lift();
   need_hold(view.needs_hold);
 
   const bool any_armed =
       std::any_of(outputs_.begin(), outputs_.end(), [](const Output& one) { return one.state == ArmState::kArmed; });
   const PumpStatus status = any_armed ? pump_->latest_status() : PumpStatus{};
+  for (Output& output : outputs_) {
+    if (output.state == ArmState::kOpening && ready(output.opening)) take_opened(output);
+    if (output.state == ArmState::kClosing && ready(output.closing)) output.state = ArmState::kOff;
+  }
+  std::erase_if(outputs_, [](const Output& one) { return one.removing && one.state == ArmState::kOff; });
   view.rows.resize(outputs_.size());
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     Output& output = outputs_[i];
-    if (output.state == ArmState::kOpening && ready(output.opening)) take_opened(output);
-    if (output.state == ArmState::kClosing && ready(output.closing)) output.state = ArmState::kOff;
     OutputRow& row = view.rows[i];
     row.endpoint = output.plan.endpoint.text;
     row.universes = output.plan.universes;

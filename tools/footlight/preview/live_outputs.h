@@ -83,6 +83,8 @@ class LiveOutputs {
   // Does nothing with one that is not kOff.
   void arm(std::size_t index);
   void disarm(std::size_t index);
+  // Out of the list: at once where it is off, else after it has ended dark and is closed, in a follow().
+  void remove(std::size_t index);
   void black_out();
   void lift();
   // As of OutputFeed. follow() asks for the first one.
@@ -98,6 +100,7 @@ class LiveOutputs {
     PlannedOutput plan;
     ArmState state = ArmState::kOff;
     bool cancelled = false;  // kOpening: it was disarmed meanwhile
+    bool removing = false;   // it leaves the list as soon as it is off
     std::string trouble;
     std::future<Result<std::unique_ptr<Sink>>> opening;
     std::shared_ptr<Sink> sink;  // while it is armed; used by the pump's thread
@@ -117,6 +120,7 @@ class LiveOutputs {
   std::unique_ptr<Universes> universes_;
   std::unique_ptr<Waiter> waiter_;
   std::unique_ptr<Pump> pump_;
+  bool needs_hold_ = false;           // as of the last follow()
   Darkness noted_ = Darkness::kNone;  // the last darkness of which there was a notice
   std::mutex mutex_;
   std::vector<std::string> notices_;  // guarded by mutex_

@@ -48,13 +48,16 @@ Status Preview::take_compared_log() {
   const std::vector<Universe> own = logged_universes(*edited_->scene());
   FL_ASSIGN(ComparedLog log, ComparedLog::open(std::move(reader), compared_path_, own));
   compared_ = std::make_unique<ComparedLog>(std::move(log));
+  compared_watch_.reset();
   compared_since_ns_ = last_ns_;
   const LogInfo& info = compared_->info();
   const bool shares = std::any_of(info.universes.begin(), info.universes.end(), [&](const LogUniverseInfo& one) {
     return std::binary_search(own.begin(), own.end(), one.universe);
   });
   if (!shares) tell(trf("{} has none of the universes of the rig: {}", compared_->name(), show_universes(own)), true);
-  if (info.recovered()) {
+  if (!info.recovered()) {
+    compared_watch_.emplace(compared_->again());
+  } else {
     tell(trf("{} is damaged or was cut; `footlight log info` says where", compared_->name()), true);
   }
   KeptLevels kept;
@@ -76,6 +79,7 @@ void Preview::follow_compared_log() {
     if (const Status taken = take_compared_log(); !taken) tell(taken.error());
   }
   if (!compared_) return;
+  tell_damage(compared_watch_);
   std::optional<KeptLevels>& kept = desk_->comparison().a;
   if (!kept || kept->log.empty()) return compared_.reset();
   if (player_ && player_->seeking()) return;  // the levels are those from before

@@ -244,6 +244,7 @@ void Preview::draw_questions() {
       }
     }
   }
+  draw_recorded_line();
   draw_open_question();
   if (!asks_close_) return;
   const auto answer = close_question_.draw(edited_->file().target(), save_error_);

@@ -1,8 +1,5 @@
 // Files that are dropped on the preview's window, and rigs that are opened again.
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -36,39 +33,29 @@ void Preview::open_dropped(const std::vector<std::string>& paths) {
 }
 
 void Preview::open_dialog(FileDialog::Use use) {
-  namespace fs = std::filesystem;
-  const char* const home = std::getenv("HOME");
-  std::error_code trouble;
-  const std::string target = fs::absolute(edited_->file().target(), trouble).lexically_normal().string();
-  std::ifstream mounts("/proc/self/mounts");
-  const std::string mounted{std::istreambuf_iterator<char>(mounts), {}};
-  FileDialog::Start start;
-  start.use = use;
-  start.folder = parent_of(target);
-  start.name = name_of(target);
-  start.home = home != nullptr ? home : "/";
-  start.places = file_places(start.home, target, settings_.recent_rigs, mounted);
-  dialog_.open(std::move(start));
+  dialog_.open(file_start(use, edited_->file().target(), settings_.recent_rigs));
 }
 
-// What the user has chosen in the dialog.
-void Preview::take_dialog() {
-  const auto chosen = dialog_.draw(window_->ui_scale());
-  if (!chosen) return;
-  if (chosen->use == FileDialog::Use::kOpen) return open_dropped({chosen->path});
-  save_as(chosen->path, chosen->replaces);
+// What the user has chosen in the dialog, which stays open with what cannot be opened or saved.
+void Preview::draw_dialog() {
+  dialog_.draw(window_->ui_scale(), [this](const FileDialog::Chosen& chosen) -> Status {
+    if (chosen.use == FileDialog::Use::kSave) return save_as(chosen.path, chosen.replaces);
+    FL_TRY(kind_of_dropped(chosen.path));
+    open_dropped({chosen.path});
+    return {};
+  });
 }
 
 // From then on the rig is that of the new file.
-void Preview::save_as(const std::string& path, bool replaces) {
-  const auto report = edited_->file().save_as(path, replaces);
-  if (!report) return tell(report.error());
+Status Preview::save_as(const std::string& path, bool replaces) {
+  FL_TRY(edited_->file().save_as(path, replaces));
   saved_revision_ = desk_->state().revision;
   autosave_->forget();
   saved_as_ = path;
   settings_.add_recent(path);
-  desk_->list_recent(settings_.recent_rigs);
+  desk_->list_recent(settings_.recent_rigs, settings_.recent_logs);
   tell(trf("saved {}", path));
+  return {};
 }
 
 // One fixture of its first mode, as the button of the library does.

@@ -87,6 +87,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
     }
     if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
+    if (curve_ && selected_curve_) input.selected_curve = &*selected_curve_;
     if (curve_ && strips_) input.strips = &strips_->strips;
     if (player_) input.thumbnails = &thumbnails_.pictures();
     input.outputs = &outputs_view_;
@@ -105,7 +106,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
     chosen = found;
   }
   const bool dialog_open = dialog_.is_open();
-  take_dialog();
+  draw_dialog();
   if (chosen) call(*chosen);
   take_input(palette_open || dialog_open, dt_ns);
   // The last movement of a drag comes with the release.

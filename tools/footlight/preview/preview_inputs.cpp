@@ -47,11 +47,17 @@ void Preview::follow_inputs() {
     view.refusal = added ? "" : tr_known(added.error().message);
   }
   if (const auto text = std::exchange(view.remove, std::nullopt)) remove_input(*text);
+  if (const auto move = std::exchange(view.move, std::nullopt)) {
+    const Status moved = move_input(*move);
+    view.refusal = moved ? "" : tr_known(moved.error().message);
+  }
   view.inputs = inputs();
   view.made_up.clear();
+  view.movable.clear();
   for (const std::string& text : view.inputs) {
     const auto endpoint = parse_port(text);
     if (endpoint && is_made_up(*endpoint)) view.made_up.push_back(text);
+    if (endpoint && moved_endpoint(*endpoint, 1)) view.movable.push_back(text);
   }
   view.why_not = why_no_input();
 }
@@ -102,6 +108,20 @@ Status Preview::add_input(const std::string& text) {
   ins_.push_back(text);
   const bool made_up = is_made_up(*parse_port(text));
   tell(made_up ? trf("{} is made up: no console sends it", text) : trf("{} drives the rig", text));
+  return {};
+}
+
+// All inputs are opened again: a device has one opener at a time.
+Status Preview::move_input(const InputsView::Move& move) {
+  const auto at = std::find(ins_.begin(), ins_.end(), move.input);
+  if (at == ins_.end()) return {};
+  FL_ASSIGN(const Endpoint endpoint, parse_port(move.input));
+  const auto moved = moved_endpoint(endpoint, move.to);
+  if (!moved || *moved == move.input) return {};
+  if (const std::string why_not = why_no_input(); !why_not.empty()) return fail(ErrorCode::kBadInput, "{}", why_not);
+  *at = *moved;
+  tell(trf("{} drives the rig", *moved));
+  open_inputs_again(*framed_);
   return {};
 }
 

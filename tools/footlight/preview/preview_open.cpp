@@ -18,6 +18,7 @@
 #include "tools/footlight/preview/display_loss.h"
 #include "tools/footlight/preview/preview_window.h"
 #include "tools/footlight/preview/ui/words.h"
+#include "tools/footlight/sound/sound_log.h"
 
 namespace footlight::tools {
 namespace {
@@ -85,7 +86,6 @@ Status Preview::open_device() {
 }
 
 Status Preview::set_controls(const fixtures::Camera& camera) {
-  FL_TRY(take_lens(options_.camera_words, camera, lens_));
   desk_ = std::make_unique<UiDesk>(framed_->rig, framed_->compiled);
   start_edits();
   open_markers();
@@ -148,12 +148,14 @@ Result<bool> Preview::open(const StopSignal& signal) {
   }
   FL_TRY(check_panel_words(options_.panels));
   FL_TRY(check_outputs(options_.outputs));
+  if (!options_.compare.empty()) FL_TRY(check_level_log(options_.compare));
   begun_ns_ = clock_.now_ns();
   const double aspect = static_cast<double>(size.width) / size.height;
   std::future<Status> reading = begin([this, aspect] { return load_rig(aspect); });
   fixtures::Camera camera;
   const auto take_rig = [&]() -> Status {
     FL_ASSIGN(camera, find_camera(framed_->rig, options_.camera));
+    FL_TRY(take_lens(options_.camera_words, camera, lens_));
     FL_TRY(open_outputs(options_.outputs));
     FL_TRY(open_hand());
     return open_levels();
@@ -253,6 +255,7 @@ Status Preview::open_levels(bool again) {
   }
   FL_ASSIGN(log_, open_scene_log(options_.files));
   if (log_) {
+    log_watch_.emplace(*log_);
     player_ = make_player(framed_, *log_);
     facts_.has_log = true;
     controls_.transport.duration_ns = player_->duration_ns();

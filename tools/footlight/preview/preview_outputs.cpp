@@ -74,6 +74,9 @@ void Preview::drive_outputs() {
     outputs_view_.refusal = moved ? "" : tr_known(moved.error().message);
   }
   if (!outputs_) return;
+  for (const std::size_t index : outputs_view_.remove) {
+    removed_outputs_.push_back(outputs_view_.rows.at(index).endpoint);
+  }
   if (live_) live_->take();
   const auto levels = panel_levels();
   outputs_->give(desk_->compiled().universes, levels, sendable);

@@ -1,6 +1,8 @@
 // A recording of what the fixtures get: its key, its mark and its end.
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,6 +22,7 @@ Status Preview::start_recording(const std::string& path) {
   const std::int64_t unix_ns = wall_clock_unix_ns();
   const std::string file = path.empty() ? recording_path(options_.recordings, options_.files.rig, unix_ns) : path;
   FL_ASSIGN(recording_, Recording::start(file, framed_->compiled.universes, clock_, unix_ns));
+  recorded_.clear();
   tell(trf("recording to {}; Ctrl+R ends it", file));
   return {};
 }
@@ -32,6 +35,7 @@ void Preview::toggle_recording() {
 // On another thread: a slow disk must not keep levels from armed outputs.
 void Preview::end_recording() {
   if (!recording_) return;
+  ended_path_ = recording_->path();
   const NoSignals no_signals;
   ended_ = std::async(std::launch::async, [ends = std::move(recording_)] { return ends->end(); });
 }
@@ -44,6 +48,24 @@ void Preview::report_recording(bool waits) {
   const std::string& news = done ? *done : done.error().message;
   if (!options_.json) std::fputs(("footlight: " + news + "\n").c_str(), stderr);
   tell(tr_known(news), !done);
+  if (done && !waits) offer_recording();
+}
+
+// The file is among the recent logs, too.
+void Preview::offer_recording() {
+  std::error_code trouble;
+  recorded_ = std::filesystem::absolute(ended_path_, trouble).lexically_normal().string();
+  settings_.add_recent_log(recorded_);
+  desk_->list_recent(settings_.recent_rigs, settings_.recent_logs);
+}
+
+// Until the user answers, or records again.
+void Preview::draw_recorded_line() {
+  if (recorded_.empty() || lost_) return;
+  const auto answer = draw_recorded(std::filesystem::path(recorded_).filename().string(), window_->ui_scale());
+  if (!answer) return;
+  const std::string path = std::exchange(recorded_, {});
+  if (*answer == RecordedAnswer::kPlay) ask_to_open({"", path, false, saved_as_});
 }
 
 // After the steps of a turn.

@@ -43,16 +43,42 @@ LogPlayer::Driven Preview::driven() {
           [this] { panels_.restart(); }};
 }
 
+// After curve_: a selection of some fixtures has a curve of its own.
+void Preview::follow_selected_curve() {
+  const std::vector<int>& which = desk_->state().selection.fixtures;
+  if (which.empty() || which.size() >= framed_->rig.fixtures.size()) {
+    selected_curve_.reset();
+    return;
+  }
+  if (!selected_curve_ || curve_selection_ != which) {
+    curve_selection_ = which;
+    selected_curve_.emplace(framed_->rig, RigIndex(framed_->rig, framed_->compiled), which);
+  }
+  extend(*selected_curve_, *player_->index());
+}
+
+// What of a log is left out, once.
+void Preview::tell_damage(std::optional<DamageWatch>& watch) {
+  if (!watch) return;
+  const std::string news = watch->take_news();
+  if (news.empty()) return;
+  if (!options_.json) fmt::print(stderr, "footlight: {}\n", printable_line(news));
+  tell(tr_known(news), true);
+}
+
 Status Preview::work_at_index() {
   if (picture_ns_ < 0) return {};  // the first picture comes first
   FL_TRY(player_->work_at_index(controls_.transport.playing ? kIndexNs : kIndexPausedNs, driven()));
   if (std::string news = player_->take_news(); !news.empty()) tell(tr_known(news), true);
+  tell_damage(log_watch_);
   if (player_->index() == nullptr || !panels_.any_open()) return {};
   if (!curve_) {
     curve_.emplace(framed_->rig, RigIndex(framed_->rig, framed_->compiled));
+    selected_curve_.reset();
     strips_.reset();
   }
   extend(*curve_, *player_->index());
+  follow_selected_curve();
   if (!strips_) strips_ = std::make_unique<Strips>(framed_);
   extend(strips_->strips, *player_->index(), kStripMomentsMax);
   return {};

@@ -19,6 +19,7 @@
 #include "tools/footlight/pictures/frame_options.h"
 #include "tools/footlight/pictures/scene_files.h"
 #include "tools/footlight/preview/display_loss.h"
+#include "tools/footlight/preview/start_window.h"
 #include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/words.h"
 #include "tools/footlight/status/status_text.h"
@@ -524,6 +525,7 @@ void leave_to_next(PreviewOptions& options, const Preview& preview) {
   if (options.seconds > 0) options.seconds = std::max(options.seconds - preview.seconds(), kSecondsLeast);
   options.ins = preview.inputs();
   options.hold_to_live = preview.holds_to_live();
+  for (const std::string& removed : preview.removed_outputs()) std::erase(options.outputs, removed);
   if (const auto flashes = preview.flashes()) options.flashes = *flashes;
   keep_look(options, preview.settings());
 }
@@ -538,6 +540,14 @@ Result<int> run_preview(const PreviewOptions& options) {
   std::optional<PreviewOptions> before;  // of the window before, if this one was opened from it
   int worst = kExitOk;
   while (true) {
+    if (needs_start(now)) {
+      FL_ASSIGN(StartEnd end, run_start_window(now));
+      if (!end.options) return worst;
+      before = now;  // and back to it, if the rig cannot be opened
+      now = std::move(*end.options);
+      if (now.seconds > 0) now.seconds = std::max(now.seconds - end.seconds, kSecondsLeast);
+      continue;
+    }
     std::optional<NextWindow> next;
     bool opened = false;
     const auto show = [&] {

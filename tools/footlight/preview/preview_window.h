@@ -28,6 +28,7 @@
 #include "tools/footlight/displays/display_videos.h"
 #include "tools/footlight/edit/autosave.h"
 #include "tools/footlight/mvr/exchange_follower.h"
+#include "tools/footlight/pictures/log_damage.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/coming_settings.h"
 #include "tools/footlight/preview/compared_log.h"
@@ -81,6 +82,8 @@ class Preview {
     return desk_ ? std::optional(desk_->flashes()) : std::nullopt;
   }
 
+  // Outputs that the user has removed from the list: endpoints.
+  [[nodiscard]] const std::vector<std::string>& removed_outputs() const { return removed_outputs_; }
   [[nodiscard]] bool holds_to_live() const { return outputs_view_.needs_hold; }
 
   // The looks of the window, once it has opened.
@@ -153,6 +156,8 @@ class Preview {
   void show_videos();
   [[nodiscard]] std::unique_ptr<LogPlayer> make_player(SharedScene scene, const LogReader& log);
   [[nodiscard]] LogPlayer::Driven driven();
+  void follow_selected_curve();
+  void tell_damage(std::optional<DamageWatch>& watch);
   Status work_at_index();
   Status take_thumbnail();
   Status begin_thumbnail();
@@ -183,6 +188,8 @@ class Preview {
   void end_recording();
   void report_recording(bool waits);
   void keep_recording();
+  void offer_recording();
+  void draw_recorded_line();
 
   // Markers of the log: preview_markers.cpp.
   void open_markers();
@@ -204,6 +211,7 @@ class Preview {
   void follow_inputs();
   [[nodiscard]] std::string why_no_input() const;
   Status add_input(const std::string& text);
+  Status move_input(const InputsView::Move& move);
   void remove_input(const std::string& text);
   void close_inputs();
 
@@ -292,8 +300,8 @@ class Preview {
   void take_drops();
   void open_dropped(const std::vector<std::string>& paths);
   void open_dialog(FileDialog::Use use);
-  void take_dialog();
-  void save_as(const std::string& path, bool replaces);
+  void draw_dialog();
+  Status save_as(const std::string& path, bool replaces);
   void add_definition(const std::string& path);
   void ask_to_open(NextWindow next);
   void draw_open_question();
@@ -320,6 +328,7 @@ class Preview {
 
   // What drives the rig: one of the three.
   std::optional<LogReader> log_;  // not read itself: player_ has readers of its own
+  std::optional<DamageWatch> log_watch_;       // of log_
   std::unique_ptr<LogPlayer> player_;
   std::unique_ptr<LiveLevels> live_;
   std::unique_ptr<Timeline> live_timeline_;
@@ -336,9 +345,13 @@ class Preview {
 
   std::unique_ptr<Recording> recording_;    // null: nothing is recorded
   std::future<Result<std::string>> ended_;  // valid: a recording is being written to its end
+  std::string ended_path_;                  // its file
+  std::string recorded_;                    // a file that the window offers to play; empty: none
   TimeNs step_ns_ = 0;                      // when the step that is given next begins, of live inputs and faders
   std::unique_ptr<LiveOutputs> outputs_;    // null: there are none
   OutputsView outputs_view_;
+  std::vector<std::string> removed_outputs_;
+  std::optional<DamageWatch> compared_watch_;  // of compared_
   std::unique_ptr<ComparedLog> compared_;  // whose levels are A of the comparison; null: none
   TimeNs compared_since_ns_ = 0;           // without a log that plays: when it began
   std::future<Result<LogReader>> reading_compared_;  // valid: it is read
@@ -351,6 +364,8 @@ class Preview {
   std::string markers_path_;         // empty: they are not saved
   Markers saved_markers_;            // as the file has them
   std::optional<LightCurve> curve_;  // of the log, from the moments of its index
+  std::optional<LightCurve> selected_curve_;  // the same of the selected fixtures, which are:
+  std::vector<int> curve_selection_;
   struct Strips {
     explicit Strips(SharedScene of) : scene(std::move(of)), strips(scene->rig, scene->compiled) {}
     SharedScene scene;

@@ -15,6 +15,7 @@
 #include <imgui/imgui.h>
 
 #include "tools/footlight/preview/display_loss.h"
+#include "tools/footlight/preview/key_state.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 
 namespace footlight::tools {
@@ -408,7 +409,12 @@ void Window::on_key(GLFWwindow* window, int key, int scancode, int action, int m
   const char* name = key != GLFW_KEY_UNKNOWN ? glfwGetKeyName(key, scancode) : nullptr;
   self->keys_.take_key(key, name, action, mods);
   self->taps_.take_key(key, action);
-  self->live_key_.take_key(key, action);
+  self->live_key_.take_key(key, action, scancode);
+}
+
+bool Window::holds_live_key() {
+  if (live_key_.held()) live_key_.take_state(key_is_down(live_key_.scancode()).value_or(true));
+  return live_key_.held();
 }
 
 void Window::on_character(GLFWwindow* window, unsigned int character) {

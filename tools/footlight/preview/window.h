@@ -71,9 +71,9 @@ class Window {
   // The keys that went down during the last poll(), or repeated while held, in order. ImGui's own list misses a key
   // that goes down and up within one slow frame.
   [[nodiscard]] const std::vector<KeyPress>& keys() const { return keys_.presses(); }
-  // The key of the dead man's switch is held, as of the last poll(); not in a window that is iconified or has not the
-  // keyboard.
-  [[nodiscard]] bool holds_live_key() const { return live_key_.held(); }
+  // The key of the dead man's switch is held, as of the last poll() and the keyboard itself; not in a window that is
+  // iconified or has not the keyboard.
+  [[nodiscard]] bool holds_live_key();
   // Paths of files that were dropped on the window since the last call, in order.
   [[nodiscard]] std::vector<std::string> take_drops() { return std::exchange(drops_, {}); }
   // As of the last poll(): true if the window is not visible.

@@ -19,6 +19,7 @@
 #include "tools/footlight/paths.h"
 #include "tools/footlight/pictures/frame_options.h"
 #include "tools/footlight/pictures/knob_curves.h"
+#include "tools/footlight/pictures/log_damage.h"
 #include "tools/footlight/pictures/scene_files.h"
 #include "tools/footlight/pictures/start_view.h"
 #include "tools/footlight/pictures/timeline.h"
@@ -135,6 +136,7 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
   FL_ASSIGN(scene.camera, find_camera(scene.rig, arguments.camera));
   scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(files));
+  const DamageWarning warning(log);
   std::optional<AirWatch> watch;
   if (auto machines = fixtures::MachineAir::make(scene.rig, scene.compiled)) watch.emplace(std::move(machines));
   if (log) {

@@ -3,8 +3,12 @@
 #include <cstdio>
 #include <deque>
 
+#include "fixtures/files/definition_list.h"
+#include "fixtures/files/import/import_rig.h"
 #include "fixtures/files/toml/sound_toml.h"
 #include "sim/core/endpoint.h"
+#include "sim/file_kind.h"
+#include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -100,6 +104,20 @@ Result<fixtures::SoundLevels> sound_levels_of(const fixtures::SoundMap& map) {
 
 namespace {
 
+// A DMX log stays in its file; any other recording is read at once, and what of it is damaged is printed.
+Result<LogReader> read_capture(const std::string& path, const drivers::CaptureOptions& options) {
+  FL_ASSIGN(const LogFormat format, detect_log_format(path));
+  if (format == LogFormat::kDmxLog) return LogReader::open(path);
+  FL_ASSIGN(const std::unique_ptr<LogInput> input, drivers::open_any_log(path, options));
+  FL_ASSIGN(LogReader reader, read_into_memory(*input));
+  if (input->damage_count() > 0) {
+    for (const std::string& note : input->notes()) {
+      fmt::print(stderr, "footlight: {}: {}\n", path, printable_line(note));
+    }
+  }
+  return reader;
+}
+
 // `on_seconds`: called with the seconds that were analysed; false stops.
 Result<std::unique_ptr<LogInput>> open_sound(const std::string& path, std::function<bool(double)> on_seconds) {
   FL_ASSIGN(const fixtures::SoundMap map, sound_map_of(path));
@@ -118,9 +136,36 @@ Result<std::unique_ptr<LogInput>> open_level_log(const std::string& path, const 
   return is_sound_log(path) ? open_sound(path, {}) : drivers::open_any_log(path, options);
 }
 
+Status check_level_log(const std::string& path) {
+  if (path.starts_with(kScheme)) return {};
+  FL_TRY(refuse_pipe_input(path));
+  const std::string format = fixtures::rig_format(path);
+  std::string what;
+  if (format == "mvr" || format == "qxw" || format == "vrsl") {
+    what = "rig";
+  } else if (format == "gdtf" || format == "qxf" || format == "ofl" || format == "photometry") {
+    what = "definition of a fixture";
+  } else if (path.ends_with(".toml") && !fixtures::load_sound_map(path)) {
+    if (fixtures::open_definition(path)) {
+      what = "definition of a fixture";
+    } else if (fixtures::load_rig(path)) {
+      what = "rig";
+    }
+  }
+  if (what.empty()) {
+    if (!is_sound_log(path)) FL_TRY(detect_log_format(path));
+    return {};
+  }
+  return fail(ErrorCode::kBadInput,
+              "{}: is a {}; expected a log: .dmxlog, an OLA Show, a capture or a sound map. A rig comes first, as in "
+              "'footlight preview RIG --log LOG'",
+              path, what);
+}
+
 Result<LogReader> read_level_log(const std::string& path, const drivers::CaptureOptions& options,
                                  const std::function<bool()>& stopping) {
-  if (!is_sound_log(path)) return drivers::read_any_log(path, options);
+  FL_TRY(check_level_log(path));
+  if (!is_sound_log(path)) return read_capture(path, options);
   bool told = false;
   const auto on_seconds = [&](double seconds) {
     if (seconds > kLongSoundS && !told) {

@@ -22,6 +22,8 @@ namespace footlight::tools {
 // drivers::open_any_log() and read_any_log(), for sound maps too.
 [[nodiscard]] Result<std::unique_ptr<LogInput>> open_level_log(const std::string& path,
                                                                const drivers::CaptureOptions& options = {});
+// Whether it can be a log at all, without reading all of it: kBadInput for a rig, a definition and anything unknown.
+[[nodiscard]] Status check_level_log(const std::string& path);
 // A sound is analysed whole: after kLongSoundS of it a line on standard error says so. `stopping` is called meanwhile;
 // true ends it with kTimeout.
 [[nodiscard]] Result<LogReader> read_level_log(const std::string& path, const drivers::CaptureOptions& options = {},

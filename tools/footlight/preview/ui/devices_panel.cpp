@@ -4,6 +4,8 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -12,6 +14,7 @@
 #include "sim/core/counted.h"
 #include "sim/pattern.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/preview/ui/draw_output_questions.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/preview/ui/words.h"
@@ -20,9 +23,9 @@
 namespace footlight::tools {
 namespace {
 
-constexpr std::size_t kAll = SIZE_MAX;            // of the question
 constexpr const char* kDeviceDrag = "interface";  // its endpoint without a universe
 constexpr const char* kOutputDrag = "output";     // its row
+constexpr const char* kInputDrag = "input";       // its endpoint
 constexpr std::size_t kChipsMax = 128;
 constexpr const char* kModel = "mock:enttec-pro";  // of an interface, inside the program
 
@@ -100,20 +103,22 @@ class DevicesPanel final : public Panel {
     ImGui::Dummy({0, 4 * input.scale});
     ui_text(kUiAmber, tr("Plugged in"));
     input.outputs->looks = true;
-    draw_devices(*input.outputs);
+    draw_devices(*input.outputs, input.inputs);
   }
 
  private:
   void draw_all_outputs(const UiInput& input) {
     if (input.outputs->rows.empty()) {
-      asks_.reset();
+      arm_question_.drop();
+      removal_question_.drop();
       wrapped(kUiDim, tr("There are none. What is added here, or with --output ENDPOINT, is armed by hand."));
       return;
     }
     draw_buttons(*input.outputs, input.scale);
     draw_outputs(*input.outputs);
     if (!input.outputs->notice.empty()) wrapped(kUiDim, input.outputs->notice);
-    draw_question(input);
+    arm_question_.draw(input);
+    removal_question_.draw(*input.outputs);
   }
 
   // Endpoint, state, universes, frames, rate, what some port knows of its line, the last one.
@@ -189,7 +194,16 @@ class DevicesPanel final : public Panel {
     for (const std::string& endpoint : view.inputs) {
       const bool made_up = is_on(view.made_up, endpoint);
       ImGui::PushID(endpoint.c_str());
-      ui_text(made_up ? kUiAmber : kUiDim, made_up ? trf("MADE UP: {}", endpoint) : endpoint);
+      const std::string words = made_up ? trf("MADE UP: {}", endpoint) : endpoint;
+      if (is_on(view.movable, endpoint)) {
+        ImGui::PushStyleColor(ImGuiCol_Text, made_up ? kUiAmber : kUiDim);
+        ImGui::Selectable(words.c_str(), false, 0, {ImGui::CalcTextSize(words.c_str()).x, 0});
+        ImGui::PopStyleColor();
+        if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("Drag it to another universe below."));
+        drag_source(kInputDrag, endpoint.c_str(), endpoint.size() + 1, endpoint);
+      } else {
+        ui_text(made_up ? kUiAmber : kUiDim, words);
+      }
       ImGui::SameLine();
       if (ImGui::SmallButton(tr_label("remove"))) view.remove = endpoint;
       ImGui::PopID();
@@ -293,7 +307,7 @@ class DevicesPanel final : public Panel {
     const bool any_off = std::any_of(outputs.rows.begin(), outputs.rows.end(),
                                      [](const OutputRow& row) { return row.state == ArmState::kOff; });
     ImGui::BeginDisabled(!any_off);
-    if (ImGui::Button(tr_label("arm all ..."))) asks(kAll);
+    if (ImGui::Button(tr_label("arm all ..."))) arm_question_.ask(ArmQuestion::kAll);
     ImGui::EndDisabled();
     ImGui::SameLine();
     ImGui::BeginDisabled(!outputs.any_on());
@@ -330,7 +344,7 @@ class DevicesPanel final : public Panel {
     for (const OutputRow& row : outputs.rows) {
       if (row.status) line.add(*row.status);
     }
-    if (begin_table("outputs", "##arm", 5, line)) {
+    if (begin_table("outputs", "##arm", 10, line)) {
       for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
         ImGui::TableNextRow();
         ImGui::PushID(static_cast<int>(i));
@@ -379,14 +393,22 @@ class DevicesPanel final : public Panel {
     line_cells(row.status ? &*row.status : nullptr, line);
     ImGui::TableNextColumn();
     if (row.state == ArmState::kOff) {
-      if (ImGui::SmallButton(tr_label("arm ..."))) asks(index);
+      if (ImGui::SmallButton(tr_label("arm ..."))) arm_question_.ask(index);
     } else if (row.state != ArmState::kClosing) {
       if (ImGui::SmallButton(tr_label("disarm"))) outputs.disarm.push_back(index);
+    }
+    ImGui::SameLine();
+    if (ImGui::SmallButton(tr_label("remove"))) {
+      if (row.state == ArmState::kOff) {
+        outputs.remove.push_back(index);
+      } else {
+        removal_question_.ask(row.endpoint);
+      }
     }
   }
 
   // DMX interfaces of this machine. A drag to a universe makes one an output; so does its button, for the chosen one.
-  void draw_devices(OutputsView& outputs) {
+  void draw_devices(OutputsView& outputs, InputsView* inputs) {
     if (outputs.devices.empty()) wrapped(kUiDim, tr("No DMX interface. `footlight doctor` checks this machine."));
     for (std::size_t i = 0; i < outputs.devices.size(); ++i) {
       const PluggedDevice& device = outputs.devices[i];
@@ -399,7 +421,7 @@ class DevicesPanel final : public Panel {
       ImGui::PopID();
     }
     draw_model(outputs);
-    if (!outputs.universes.empty()) draw_universes(outputs);
+    if (!outputs.universes.empty()) draw_universes(outputs, inputs);
   }
 
   // A name that can be dragged, and a button.
@@ -439,7 +461,7 @@ class DevicesPanel final : public Panel {
   }
 
   // Those of the rig: a click chooses the one that `add` is for, and what is dropped on one is patched to it.
-  void draw_universes(OutputsView& outputs) {
+  void draw_universes(OutputsView& outputs, InputsView* inputs) {
     ui_text(kUiDim, tr("Universes: drag an interface or an output here; `add` is for the amber one"));
     const float right = ImGui::GetCursorScreenPos().x + ImGui::GetContentRegionAvail().x;
     for (std::size_t i = 0; i < outputs.universes.size() && i < kChipsMax; ++i) {
@@ -457,6 +479,8 @@ class DevicesPanel final : public Panel {
         std::size_t index = 0;
         std::memcpy(&index, row->Data, sizeof(index));
         outputs.move = OutputsView::Move{index, universe};
+      } else if (const ImGuiPayload* input = inputs == nullptr ? nullptr : ImGui::AcceptDragDropPayload(kInputDrag)) {
+        inputs->move = InputsView::Move{static_cast<const char*>(input->Data), universe};
       }
       ImGui::EndDragDropTarget();
     }
@@ -465,72 +489,8 @@ class DevicesPanel final : public Panel {
     }
   }
 
-  void asks(std::size_t which) {
-    asks_ = which;
-    opens_ = true;
-    clear_ = false;
-  }
-
-  // Two acts at two places: a tick, and the button that it enables. A click that comes twice arms nothing.
-  void draw_question(const UiInput& input) {
-    const char* const kTitle = tr_label("Send to real lamps?");
-    if (!asks_) return;
-    OutputsView& outputs = *input.outputs;
-    if (opens_) ImGui::OpenPopup(kTitle);
-    opens_ = false;
-    ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Appearing, {0.5f, 0.5f});
-    if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize)) {
-      asks_.reset();
-      return;
-    }
-    for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
-      const OutputRow& row = outputs.rows[i];
-      if ((*asks_ == kAll || *asks_ == i) && row.state == ArmState::kOff) {
-        ui_text(kUiAmber, row.made_up ? trf("{}  universe {}  (made up: no lamp gets it)", row.endpoint,
-                                            show_universes(row.sent()))
-                                      : trf("{}  universe {}", row.endpoint, show_universes(row.sent())));
-      }
-    }
-    const auto lit =
-        std::count_if(input.levels.begin(), input.levels.end(), [](std::uint8_t level) { return level > 0; });
-    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
-    if (outputs.needs_hold) {
-      ui_text(trf_n("Real lamps get zeros, and while {} is held the levels of the picture: {} slot of the rig is above "
-                    "zero.",
-                    "Real lamps get zeros, and while {} is held the levels of the picture: {} slots of the rig are "
-                    "above zero.",
-                    lit, tr(kHoldKeyName), lit));
-    } else {
-      ui_text(trf_n("Real lamps get the levels of the picture at once, and move: {} slot of the rig is above zero.",
-                    "Real lamps get the levels of the picture at once, and move: {} slots of the rig are above zero.",
-                    lit, lit));
-    }
-    if (input.inputs != nullptr && !input.inputs->made_up.empty()) {
-      ui_text(kUiRed, trf("A made-up input moves them: {}.", input.inputs->made_up.front()));
-    }
-    ui_text(kUiDim, tr("B or F9 is the blackout, Ctrl+D disarms all. Disarmed outputs end dark."));
-    ImGui::PopTextWrapPos();
-    ImGui::Checkbox(tr_label("The stage is clear, and nobody is near the lamps"), &clear_);
-    ImGui::BeginDisabled(!clear_);
-    const bool arms = ImGui::Button(tr_label("Arm"));
-    ImGui::EndDisabled();
-    ImGui::SameLine();
-    const bool leaves = ImGui::Button(tr_label("Leave it"));
-    if (arms) {
-      for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
-        if (*asks_ == kAll || *asks_ == i) outputs.arm.push_back(i);
-      }
-    }
-    if (arms || leaves) {
-      asks_.reset();
-      ImGui::CloseCurrentPopup();
-    }
-    ImGui::EndPopup();
-  }
-
-  std::optional<std::size_t> asks_;  // which output the question is about, or kAll
-  bool opens_ = false;               // the question opens with this picture
-  bool clear_ = false;               // its tick
+  ArmQuestion arm_question_;
+  RemovalQuestion removal_question_;
   Universe universe_ = kUniverseMin;
   std::array<char, 160> input_text_{};
   std::array<char, 160> output_text_{};

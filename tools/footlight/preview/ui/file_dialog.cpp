@@ -1,8 +1,11 @@
 #include "tools/footlight/preview/ui/file_dialog.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -11,6 +14,7 @@
 
 #include <imgui/imgui.h>
 
+#include "tools/footlight/edit/rig_file.h"
 #include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/preview/ui/words.h"
@@ -79,6 +83,11 @@ void FileDialog::read() {
   reader_.reset();
 }
 
+void FileDialog::refuse(const Error& error) {
+  trouble_ = printable_utf8(tr_known(error.message));
+  asks_.clear();
+}
+
 void FileDialog::choose(const std::string& path) {
   std::error_code trouble;
   const bool there = fs::exists(path, trouble);
@@ -91,6 +100,8 @@ void FileDialog::choose(const std::string& path) {
     return;
   }
   const std::string whole = kind_of_name(path) == FileKind::kRig && path.ends_with(".toml") ? path : path + ".toml";
+  if (const Status can = check_rig_target(whole); !can) return refuse(can.error());
+  trouble_.clear();
   if (fs::exists(whole, trouble)) {
     asks_ = whole;
   } else {
@@ -231,7 +242,11 @@ void FileDialog::draw_foot(float scale) {
   ImGui::SameLine();
   const std::string count = trf("{} of {}", list_.shown(), list_.size());
   ui_text(reader_ ? kUiAmber : kUiDim, reader_ ? trf("reading ... {}", count) : count);
-  if (!trouble_.empty()) ui_text(kUiRed, trouble_);
+  if (!trouble_.empty()) {
+    ImGui::PushTextWrapPos(0);
+    ui_text(kUiRed, trouble_);
+    ImGui::PopTextWrapPos();
+  }
   if (!asks_.empty()) {
     ui_text(kUiAmber, trf("There is a file {}.", printable_utf8(fs::path(asks_).filename().string())));
     ImGui::SameLine();
@@ -261,7 +276,7 @@ void FileDialog::take_keys() {
   was_empty_ = is_empty;
 }
 
-std::optional<FileDialog::Chosen> FileDialog::draw(float scale) {
+void FileDialog::draw(float scale, const Take& take) {
   if (std::exchange(opens_, false)) ImGui::OpenPopup(kFilesPopup);
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
@@ -273,7 +288,7 @@ std::optional<FileDialog::Chosen> FileDialog::draw(float scale) {
   shown_ = ImGui::BeginPopupModal(title, nullptr, kFlags);
   if (!shown_) {
     reader_.reset();
-    return std::nullopt;
+    return;
   }
   read();
   if (ImGui::Button(tr_label("folder above"))) {
@@ -283,7 +298,11 @@ std::optional<FileDialog::Chosen> FileDialog::draw(float scale) {
   ui_text(printable_utf8(start_.folder));
   draw_field();
   const float line = ImGui::GetFrameHeightWithSpacing();
-  const float foot = line * (trouble_.empty() ? 2 : 3) + ImGui::GetStyle().ItemSpacing.y;
+  float foot = line * 2 + ImGui::GetStyle().ItemSpacing.y;
+  if (!trouble_.empty()) {
+    const float width = ImGui::GetContentRegionAvail().x;
+    foot += ImGui::CalcTextSize(trouble_.c_str(), nullptr, false, width).y + ImGui::GetStyle().ItemSpacing.y;
+  }
   const float height = std::max(ImGui::GetContentRegionAvail().y - foot, 3 * line);
   draw_places(kPlacesWidth * scale, height);
   ImGui::SameLine();
@@ -291,10 +310,33 @@ std::optional<FileDialog::Chosen> FileDialog::draw(float scale) {
   draw_foot(scale);
   take_keys();
   const bool leaves = is_key(ImGuiKey_Escape);
-  if (chosen_ || (leaves && asks_.empty())) ImGui::CloseCurrentPopup();
+  bool closes = leaves && asks_.empty();
+  if (const auto chosen = std::exchange(chosen_, std::nullopt)) {
+    if (const Status taken = take(*chosen); taken) {
+      closes = true;
+    } else {
+      refuse(taken.error());
+    }
+  }
+  if (closes) ImGui::CloseCurrentPopup();
   if (leaves) asks_.clear();
   ImGui::EndPopup();
-  return std::exchange(chosen_, std::nullopt);
+}
+
+FileDialog::Start file_start(FileDialog::Use use, const std::string& beside,
+                             const std::vector<std::string>& recent_rigs) {
+  const char* const home = std::getenv("HOME");
+  std::error_code trouble;
+  const std::string path = fs::absolute(beside, trouble).lexically_normal().string();
+  std::ifstream mounts("/proc/self/mounts");
+  const std::string mounted{std::istreambuf_iterator<char>(mounts), {}};
+  FileDialog::Start start;
+  start.use = use;
+  start.folder = parent_of(path);
+  start.name = fs::path(path).filename().string();
+  start.home = home != nullptr ? home : "/";
+  start.places = file_places(start.home, path, recent_rigs, mounted);
+  return start;
 }
 
 }  // namespace footlight::tools

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "sim/core/result.h"
 #include "tools/footlight/preview/ui/file_list.h"
 #include "tools/footlight/preview/ui/folder_reader.h"
 
@@ -28,14 +30,17 @@ class FileDialog {
     bool replaces = false;  // kSave: the user was asked, as there is such a file
   };
 
+  // What is done with what was chosen. After an error the dialog stays, with its message.
+  using Take = std::function<Status(const Chosen&)>;
+
   // At the next draw(). A folder that was shown before is shown again, unless start.name has another one.
   void open(Start start);
   // From open() on: keys belong to its field.
   [[nodiscard]] bool is_open() const { return opens_ || shown_; }
-  // Once a picture, until the user chooses a file or closes it by Esc. Typed words narrow the list; Up, Down, Page Up
-  // and Page Down mark a row, Enter opens it or goes to what is typed as a path, Backspace in an empty field goes to
-  // the folder above.
-  [[nodiscard]] std::optional<Chosen> draw(float scale);
+  // Once a picture, until `take` accepts what the user has chosen, or the user closes it by Esc. Typed words narrow the
+  // list; Up, Down, Page Up and Page Down mark a row, Enter opens it or goes to what is typed as a path, Backspace in
+  // an empty field goes to the folder above.
+  void draw(float scale, const Take& take);
 
   [[nodiscard]] const std::string& folder() const { return start_.folder; }
   [[nodiscard]] const FileList& list() const { return list_; }
@@ -53,6 +58,7 @@ class FileDialog {
   void act(std::size_t row);
   void enter();
   void choose(const std::string& path);
+  void refuse(const Error& error);
   [[nodiscard]] bool saves() const { return start_.use == Use::kSave; }
 
   Start start_;
@@ -69,5 +75,9 @@ class FileDialog {
   bool shown_ = false;
   bool was_empty_ = true;  // the field, in the last picture
 };
+
+// Beside a file, with its name, the user's home folder, recent rigs and mounted media as places.
+[[nodiscard]] FileDialog::Start file_start(FileDialog::Use use, const std::string& beside,
+                                           const std::vector<std::string>& recent_rigs);
 
 }  // namespace footlight::tools

@@ -6,12 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "sim/core/dmx.h"
+
 namespace footlight::tools {
 
 struct InputsView {
   // What is.
   std::vector<std::string> inputs;   // endpoints
   std::vector<std::string> made_up;  // of them, those that are models of devices, and patterns
+  std::vector<std::string> movable;  // of them, devices with one connector: to another universe
   std::string why_not;               // why none but controls can be added now; empty: it can
   std::string by_hand;               // "12 slots are set by hand"; empty: none is
   bool dark_by_hand = false;         // a blackout of 'footlight blackout' or a control is on
@@ -25,6 +28,11 @@ struct InputsView {
   // What the user asks for; the loop carries it out and resets it.
   std::optional<std::string> add;  // "mock:chase", "sacn:1-9"
   std::optional<std::string> remove;
+  struct Move {
+    std::string input;  // of `movable`
+    Universe to = 0;
+  };
+  std::optional<Move> move;
   bool release_hand = false;  // all slots that are set by hand
   bool end_hand_blackout = false;
   bool tap = false;                  // of the tempo

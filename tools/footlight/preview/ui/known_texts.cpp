@@ -231,6 +231,9 @@ constexpr const char* kForms[] = {
     tr_mark("not armed: {}"),
     tr_mark("{}: armed: it sends the levels of the picture to no lamp, since it is made up"),
     tr_mark("{}: armed: it sends the levels of the picture to real lamps"),
+    tr_mark("{}: armed: it sends zeros until End is held, then the levels of the picture to no lamp, since it is made "
+            "up"),
+    tr_mark("{}: armed: it sends zeros until End is held, then the levels of the picture to real lamps"),
     tr_mark("{}: disarmed: it ends with zeros"),
     tr_mark("the blackout has ended"),
     tr_mark("blackout: all armed outputs send zeros"),
@@ -240,6 +243,8 @@ constexpr const char* kForms[] = {
     tr_mark("recorded {} s, {}: {}"),
     tr_mark("the recording ended: {}; what was written before stays readable"),
     tr_mark("{}; seeks begin at the start of the log"),
+    tr_mark("{}: damaged at byte {}: {} of {} bytes left out, where levels stay as they were; 'footlight log info {}' "
+            "lists them"),
     tr_mark("{}; its displays keep their last picture"),
     tr_mark("{}: {} so far cannot be decoded; the last whole one stays in their place. Export the video again"),
     tr_mark("nothing drives levels now; patch a fixture first"),
@@ -251,6 +256,10 @@ constexpr const char* kForms[] = {
     tr_mark("{}: a hold begins: when it ends, blackout is on"),
     tr_mark("{}: the hold is over"),
     tr_mark("{}: back"),
+    tr_mark("{}: universe {} is not among those of this run; it stays unused"),
+    tr_mark("{}: universes {} are not among those of this run; they stay unused"),
+    tr_mark("{}: universe {} has {} senders already; frames of further ones are refused and counted"),
+    tr_mark("{}: universe {}: a sender has priority {}; expected 0 to {}; its frames are ignored and counted"),
     // Errors of the window itself.
     tr_mark("a marker's name has 1 to {} bytes without control characters"),
     tr_mark("there is a marker here already: {}"),
@@ -261,6 +270,9 @@ constexpr const char* kForms[] = {
     tr_mark("nothing to record: no fixture and no display of this rig has an address"),
     tr_mark("the recording before is still being written; try again when its end is reported"),
     tr_mark("{}: there is no such file"),
+    tr_mark("{}: has no name before its ending; expected one such as show.toml"),
+    tr_mark("{}: is a folder; choose another name"),
+    tr_mark("{}: is a pipe or a device; choose another name"),
     tr_mark("{}: is no definition (GDTF, QXF, Open Fixture Library), no rig (MVR, TOML, QXW) and no log (.dmxlog)"),
     tr_mark("this window system does not let windows be read"),
     tr_mark("there are {} screenshots in this folder; move some of them"),
@@ -295,6 +307,7 @@ std::string counted_text(std::string_view one) {
   if (noun == "change" || noun == "changes") return trf_n("{} change", "{} changes", count, count);
   if (noun == "frame" || noun == "frames") return trf_n("{} frame", "{} frames", count, count);
   if (noun == "picture" || noun == "pictures") return trf_n("{} picture", "{} pictures", count, count);
+  if (noun == "part" || noun == "parts") return trf_n("{} part", "{} parts", count, count);
   return std::string(one);
 }
 

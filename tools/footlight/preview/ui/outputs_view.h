@@ -72,6 +72,7 @@ struct OutputsView {
   // What the user asks for; the loop carries it out and resets it. Indices into rows.
   std::vector<std::size_t> arm;
   std::vector<std::size_t> disarm;
+  std::vector<std::size_t> remove;  // from the list, once it is dark and closed
   std::optional<bool> blackout;    // false: ends
   bool needs_hold = false;         // lamps are live only while kHoldKeyName is held; stays as it is set
   std::optional<std::string> add;  // an endpoint; it is not armed

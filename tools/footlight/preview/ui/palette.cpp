@@ -59,10 +59,11 @@ std::optional<UiCall> Palette::draw_rows(bool entered, bool scrolls, float scale
       ImGui::SameLine(0, 0);
       ui_text(row.possible() ? kUiAmber : kUiDim, row.keys);
       ImGui::SameLine(keys_width);
-      if (row.possible()) {
-        ui_text(row.label);
-      } else {
-        ui_text(kUiDim, fmt::format("{} - {}", row.label, row.why_not));
+      const std::string words = row.possible() ? row.label : fmt::format("{} - {}", row.label, row.why_not);
+      const float right = ImGui::GetCursorPosX() + ImGui::CalcTextSize(words.c_str()).x;
+      ui_text(row.possible() ? kUiText : kUiDim, words);
+      if (right > ImGui::GetWindowContentRegionMax().x && ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("%s", words.c_str());  // what is cut off
       }
       ImGui::PopID();
     }

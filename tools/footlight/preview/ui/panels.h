@@ -35,6 +35,7 @@ struct UiInput {
   TimeNs now_ns = 0;                     // on the clock of the stamps
   Transport* transport = nullptr;        // of the log that plays; its second part may be changed
   const LightCurve* curve = nullptr;     // of it; may be missing
+  const LightCurve* selected_curve = nullptr;  // of the selected fixtures alone; null: none, or all are
   const LightStrips* strips = nullptr;   // of it; may be missing
   const Thumbnails* thumbnails = nullptr;  // of it; may be missing
   OutputsView* outputs = nullptr;        // to real lamps; its second part may be changed

@@ -1,5 +1,9 @@
 #include "tools/footlight/preview/ui/questions.h"
 
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+
 #include <fmt/format.h>
 
 #include <imgui/imgui.h>
@@ -9,20 +13,25 @@
 
 namespace footlight::tools {
 
+bool begin_question(const char* title) {
+  constexpr float kMargin = 8;
+  const ImVec2 size = ImGui::GetMainViewport()->Size;
+  ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Always, {0.5f, 0.5f});
+  const ImVec2 most{std::max(size.x - 2 * kMargin, 1.0f), std::max(size.y - 2 * kMargin, 1.0f)};
+  ImGui::SetNextWindowSizeConstraints({0, 0}, most);
+  return ImGui::BeginPopupModal(title, nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove);
+}
+
 std::optional<CloseAnswer> CloseQuestion::draw(const std::string& target, const std::string& error) {
   const char* const kTitle = tr_label("Unsaved edits");
   if (!open_) ImGui::OpenPopup(kTitle);
   std::optional<CloseAnswer> answer;
-  const ImVec2 middle = ImGui::GetMainViewport()->GetCenter();
-  ImGui::SetNextWindowPos(middle, ImGuiCond_Appearing, {0.5f, 0.5f});
-  if (ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize)) {
+  if (begin_question(kTitle)) {
+    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
     ui_text(tr("The rig has edits that are not saved."));
     ui_text(kUiDim, target);
-    if (!error.empty()) {
-      ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
-      ui_text(kUiRed, error);
-      ImGui::PopTextWrapPos();
-    }
+    if (!error.empty()) ui_text(kUiRed, error);
+    ImGui::PopTextWrapPos();
     if (ImGui::Button(tr_label("Save and close"))) answer = CloseAnswer::kSave;
     ImGui::SameLine();
     if (ImGui::Button(tr_label("Discard them"))) answer = CloseAnswer::kDiscard;
@@ -41,13 +50,12 @@ std::optional<OpenAnswer> OpenQuestion::draw(const std::string& what, const std:
   const char* const kTitle = tr_label("Open a file");
   if (!open_) ImGui::OpenPopup(kTitle);
   std::optional<OpenAnswer> answer;
-  ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Appearing, {0.5f, 0.5f});
-  if (ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize)) {
+  if (begin_question(kTitle)) {
     ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
     ui_text(what);
     ui_text(kUiDim, then);
-    ImGui::PopTextWrapPos();
     if (compares) ui_text(kUiDim, tr("Compare: its levels are shown beside those of now, and nothing else changes."));
+    ImGui::PopTextWrapPos();
     if (ImGui::Button(tr_label("Open"))) answer = OpenAnswer::kOpen;
     ImGui::SameLine();
     if (compares) {
@@ -64,16 +72,44 @@ std::optional<OpenAnswer> OpenQuestion::draw(const std::string& what, const std:
   return answer;
 }
 
-std::optional<LostAnswer> draw_lost_edits(const std::string& when, bool older, float scale) {
-  std::optional<LostAnswer> answer;
+namespace {
+
+// A line at the top left of the window, with its words and then its buttons: below them where they do not fit beside.
+// Between this and ImGui::End(); false: it is not seen.
+bool begin_line(const char* id, const std::string& words, std::initializer_list<const char*> labels, float scale) {
   ImGui::SetNextWindowPos({8 * scale, 8 * scale}, ImGuiCond_Always);
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize |
                                       ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoSavedSettings |
-                                      ImGuiWindowFlags_NoMove;
-  if (ImGui::Begin("lost edits", nullptr, kFlags)) {
-    ui_text(kUiAmber, older ? trf("The file has changed since the automatic copy of {}.", when)
-                            : trf("Edits were not saved: there is an automatic copy of {}.", when));
+                                      ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoFocusOnAppearing;
+  if (!ImGui::Begin(id, nullptr, kFlags)) return false;
+  ui_text(kUiAmber, words);
+  const ImGuiStyle& style = ImGui::GetStyle();
+  float width = ImGui::CalcTextSize(words.c_str()).x + 2 * (8 * scale + style.WindowPadding.x);
+  for (const char* label : labels) {
+    width += ImGui::CalcTextSize(label).x + 2 * style.FramePadding.x + style.ItemSpacing.x;
+  }
+  if (width < ImGui::GetMainViewport()->Size.x) ImGui::SameLine();
+  return true;
+}
+
+}  // namespace
+
+std::optional<RecordedAnswer> draw_recorded(const std::string& name, float scale) {
+  std::optional<RecordedAnswer> answer;
+  if (begin_line("recorded", trf("Recorded: {}", name), {tr("Play it"), tr("Close")}, scale)) {
+    if (ImGui::SmallButton(tr_label("Play it"))) answer = RecordedAnswer::kPlay;
     ImGui::SameLine();
+    if (ImGui::SmallButton(tr_label("Close"))) answer = RecordedAnswer::kClose;
+  }
+  ImGui::End();
+  return answer;
+}
+
+std::optional<LostAnswer> draw_lost_edits(const std::string& when, bool older, float scale) {
+  std::optional<LostAnswer> answer;
+  const std::string words = older ? trf("The file has changed since the automatic copy of {}.", when)
+                                  : trf("Edits were not saved: there is an automatic copy of {}.", when);
+  if (begin_line("lost edits", words, {tr("Recover"), tr("Keep"), tr("Discard")}, scale)) {
     if (ImGui::SmallButton(tr_label("Recover"))) answer = LostAnswer::kRecover;
     if (ImGui::IsItemHovered())
       ImGui::SetTooltip("%s", tr("The window opens again with these edits, as --recover does."));

@@ -7,6 +7,10 @@
 
 namespace footlight::tools {
 
+// Of a modal question that is open: in the middle of the window and within it, whatever its text. What does not fit
+// scrolls. As ImGui::BeginPopupModal().
+[[nodiscard]] bool begin_question(const char* title);
+
 enum class CloseAnswer { kSave, kDiscard, kStay };
 
 // In the middle of the window, over everything else, from the first call of draw() until an answer. Esc means to stay.
@@ -30,6 +34,10 @@ class OpenQuestion {
  private:
   bool open_ = false;
 };
+
+enum class RecordedAnswer { kPlay, kClose };
+// A line at the top of the window, after a recording has ended. name: of its file.
+[[nodiscard]] std::optional<RecordedAnswer> draw_recorded(const std::string& name, float scale);
 
 enum class LostAnswer { kRecover, kKeep, kDiscard };
 // A line at the top of the window. when: "12:31, 26 November". older: the file was saved or changed since.

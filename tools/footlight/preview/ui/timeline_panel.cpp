@@ -185,6 +185,7 @@ class TimelinePanel final : public Panel {
       draw_thumbnails(*draw, *input.thumbnails, transport.duration_ns, {at.x, bottom - above + 1}, {size.x, row - 2});
     }
     if (curve != nullptr) draw_points(*draw, *curve, x_of, bottom - above, size.y - above);
+    if (input.selected_curve != nullptr) draw_line(*draw, *input.selected_curve, x_of, bottom - above, size.y - above);
     const LightStrips::Strip* under = nullptr;
     for (std::size_t i = 0; strip > 0 && i < strips->strips().size(); ++i) {
       const float top = strips_top + static_cast<float>(i) * strip;
@@ -210,6 +211,9 @@ class TimelinePanel final : public Panel {
     const bool partly = transport.known_ns > 0 && transport.known_ns < transport.duration_ns;
     ui_text(kUiDim, partly ? trf("mean level of all dimmers; known up to {}", time_text(transport.known_ns))
                            : std::string(tr("mean level of all dimmers")));
+    if (input.selected_curve == nullptr) return;
+    ImGui::SameLine();
+    ui_text(kUiAmber, tr("of the selected ones"));
   }
 
   // Of the row of pictures; 0: there are none, or there is no room for them beside the curve.
@@ -272,6 +276,22 @@ class TimelinePanel final : public Panel {
       const float right = next < points.size() ? std::floor(x_of(points[next].at_ns)) : x + 1;
       draw.AddRectFilled({x, bottom - light * height}, {right, bottom}, colour);
       i = next;
+    }
+  }
+
+  // A line from moment to moment: the highest point in each column of pixels.
+  template <class XOf>
+  static void draw_line(ImDrawList& draw, const LightCurve& curve, const XOf& x_of, float bottom, float height) {
+    const ImU32 colour = ImGui::GetColorU32(kUiAmber);
+    std::optional<ImVec2> last;
+    const auto& points = curve.points();
+    for (std::size_t i = 0; i < points.size();) {
+      const float x = std::floor(x_of(points[i].at_ns));
+      float light = 0;
+      for (; i < points.size() && std::floor(x_of(points[i].at_ns)) <= x; ++i) light = std::max(light, points[i].light);
+      const ImVec2 at{x, bottom - 1 - light * std::max(height - 2, 0.0f)};
+      if (last) draw.AddLine(*last, at, colour, 1.5f);
+      last = at;
     }
   }
 

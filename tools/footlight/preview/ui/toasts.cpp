@@ -9,7 +9,9 @@
 namespace footlight::tools {
 
 void draw_toasts(const MessageLog& log, TimeNs now_ns, const ImVec2& stage, float scale) {
-  ImDrawList& draw = *ImGui::GetForegroundDrawList();
+  // Buttons of a dialog may be where the boxes are: it lies over them.
+  const bool dialog = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
+  ImDrawList& draw = dialog ? *ImGui::GetBackgroundDrawList() : *ImGui::GetForegroundDrawList();
   const float left = 12 * scale;
   const float pad = 6 * scale;
   const float width = std::max(stage.x - 2 * left - 2 * pad, 40.0f);

@@ -1,6 +1,7 @@
 #include "tools/footlight/preview/ui/transport.h"
 
 #include <algorithm>
+#include <numeric>
 #include <cmath>
 #include <iterator>
 
@@ -46,10 +47,16 @@ std::string time_text(TimeNs time_ns) {
                       : fmt::format("{}:{:02}:{}", minutes / 60, minutes % 60, rest);
 }
 
-LightCurve::LightCurve(const fixtures::Rig& rig, const RigIndex& index) {
+LightCurve::LightCurve(const fixtures::Rig& rig, const RigIndex& index, std::span<const int> which) {
+  const auto count = static_cast<int>(rig.fixtures.size());
+  std::vector<int> fixtures(which.begin(), which.end());
+  if (fixtures.empty()) {
+    fixtures.resize(rig.fixtures.size());
+    std::iota(fixtures.begin(), fixtures.end(), 0);
+  }
   std::vector<std::uint32_t> all;
-  for (std::size_t f = 0; f < rig.fixtures.size(); ++f) {
-    const int fixture = static_cast<int>(f);
+  for (const int fixture : fixtures) {
+    if (fixture < 0 || fixture >= count) continue;
     for (std::size_t c = 0; c < index.channel_count(fixture); ++c) {
       const ChannelKey key{fixture, static_cast<int>(c)};
       const auto place = index.place(key);

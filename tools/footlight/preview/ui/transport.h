@@ -61,14 +61,15 @@ struct Transport {
 // "2:03.4", "1:02:03.4": tenths of seconds that have passed, not rounded up.
 [[nodiscard]] std::string time_text(TimeNs time_ns);
 
-// The mean level of all dimmers of a rig over a log, as far as it is known.
+// The mean level of the dimmers of a rig, or of some fixtures, over a log, as far as it is known.
 class LightCurve {
  public:
   struct Point {
     TimeNs at_ns = 0;
-    float light = 0;  // 0 to 1; without a dimmer in the rig the mean of all slots that are used
+    float light = 0;  // 0 to 1; without a dimmer among them the mean of all slots that are used
   };
-  LightCurve(const fixtures::Rig& rig, const RigIndex& index);
+  // which: indices of fixtures; empty: all. Those that the rig does not have are left out.
+  LightCurve(const fixtures::Rig& rig, const RigIndex& index, std::span<const int> which = {});
   // levels: universes x 512 in the order of the compiled rig. Times ascend; others are ignored.
   void add(TimeNs at_ns, std::span<const std::uint8_t> levels);
   [[nodiscard]] const std::vector<Point>& points() const { return points_; }
