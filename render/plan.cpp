@@ -17,6 +17,7 @@
 #include "render/passes/lasers.h"
 #include "render/passes/lenses.h"
 #include "render/passes/mirrors.h"
+#include "render/passes/probes.h"
 #include "render/passes/records.h"
 #include "render/passes/shade.h"
 #include "render/passes/shadows.h"
@@ -42,6 +43,7 @@ const PassEntry* const kPasses[] = {
     &kBodiesPass,    // fixture bodies -> visibility buffer
     &kTilesPass,     // beams -> which supertile they touch
     &kBouncePass,    // beams x boxes and scenery -> light that these reflect
+    &kProbesPass,    // light that boxes and scenery reflect, beams in haze -> what shiny surfaces mirror
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
     &kGlossPass,     // picture of the mirrored camera -> radiance of floors that mirror
     &kDepthsPass,    // radiance's distances -> planes of tiles

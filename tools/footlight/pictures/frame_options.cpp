@@ -78,6 +78,8 @@ void warn_of_hard_edges(const render::FrameSettings& frame) {
 
 Result<bool> parse_bounce(const std::string& text) { return parse_switch("--bounce", text); }
 
+Result<bool> parse_reflections(const std::string& text) { return parse_switch("--reflections", text); }
+
 Result<double> parse_glare(const std::string& text) {
   if (text == "off") return 0.0;
   const std::optional<double> share = render::share_of(text);

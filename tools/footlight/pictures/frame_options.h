@@ -30,6 +30,8 @@ inline constexpr const char* kPenumbraHelp =
     "shadows; 1: hard edges [1]";
 // FrameSettings::bounce of "on" or "off".
 [[nodiscard]] Result<bool> parse_bounce(const std::string& text);
+// FrameSettings::probes of "on" or "off".
+[[nodiscard]] Result<bool> parse_reflections(const std::string& text);
 // FrameSettings::glare of "off", "1%" or "0.01".
 [[nodiscard]] Result<double> parse_glare(const std::string& text);
 
