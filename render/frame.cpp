@@ -53,7 +53,8 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   widest.gloss_px = std::max(settings.gloss_px, 1u);
   std::vector<bool> used(FL_BINDING_COUNT, false);
   for (const std::uint32_t binding : frame_bindings()) used[binding] = true;
-  used[FL_BINDING_LENSES] = true;  // live_error.h names it in any frame
+  // live_error.h names them in any frame.
+  used[FL_BINDING_LENSES] = used[FL_BINDING_PROBES] = used[FL_BINDING_PROBE_LIGHT] = true;
   for (const PassEntry* pass : passes) {
     if (!pass->needed(compiled.needs, widest)) continue;
     for (const std::uint32_t binding : bindings_of(*pass)) used[binding] = true;

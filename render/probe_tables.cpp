@@ -98,7 +98,8 @@ std::vector<ReflectionProbe> scene_probes(const fixtures::Rig& rig) {
 }
 
 std::uint64_t probe_bytes(std::uint32_t binding, const MemoryShape& shape) {
-  if (!has_probes(shape.needs, shape.settings)) return 0;
+  const bool is_one = binding == FL_BINDING_PROBES || binding == FL_BINDING_PROBE_LIGHT;
+  if (!is_one || !has_probes(shape.needs, shape.settings)) return 0;
   const std::uint64_t probes = std::max<std::size_t>(shape.rig.probes.size(), 1);
   if (binding == FL_BINDING_PROBES) return probes * sizeof(ProbeRow);
   return (FL_PROBE_SHARES * FL_PROBE_SHARES + probes * FL_PROBE_ALL) * sizeof(vec4);

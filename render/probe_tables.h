@@ -13,7 +13,7 @@ namespace footlight::render {
 // and scenery, out to the floors, walls and ceilings around them. All have a position. Pure.
 [[nodiscard]] std::vector<fixtures::ReflectionProbe> scene_probes(const fixtures::Rig& rig);
 
-// Bytes of the buffer at one of FL_BINDING_PROBE...
+// Bytes of the buffer at one of FL_BINDING_PROBE...; 0 at any other.
 [[nodiscard]] std::uint64_t probe_bytes(std::uint32_t binding, const MemoryShape& shape);
 
 // Makes the buffers; of one row each where there are no probes. Warns of probes inside something solid.

@@ -459,8 +459,6 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_BOUNCE_FORMS:
     case FL_BINDING_BOUNCE_FLUX:
     case FL_BINDING_BOUNCE_LIGHT: return bounce_bytes(binding, shape);
-    case FL_BINDING_PROBES:
-    case FL_BINDING_PROBE_LIGHT: return probe_bytes(binding, shape);
     case FL_BINDING_PANES: return shape.rig.panes.size() * sizeof(PaneRow);
     case FL_BINDING_PANE_TEXELS: return pane_texel_bytes(shape.rig);
     case FL_BINDING_PANE_MASKS: return pane_mask_bytes(shape.rig, occluder_bytes(shape) / sizeof(OccluderRow));
@@ -533,7 +531,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_DEPTH: return (has_computed_triangles(shape.needs, settings) ? 1 : solid_pixels) * 4;
     case FL_BINDING_RADIANCE: return pixels * 16;
     case FL_BINDING_SCREEN: return pixels / (side * side) * 4;
-    default: return 0;
+    default: return probe_bytes(binding, shape);
   }
 }
 

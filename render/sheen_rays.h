@@ -15,8 +15,8 @@ struct SheenRay {
   double fresnel = 0;       // Schlick's share at the facet
 };
 
-// One ray a facet, of facets as the eye sees them (Heitz 2018, "Sampling the GGX Distribution of Visible Normals"), by a
-// Hammersley set. Rays that would go into the surface have a share of 0. alpha: above 0; cosine: to the eye, 0 to 1.
+// One ray a facet, of facets as the eye sees them (Heitz 2018, "Sampling the GGX Distribution of Visible Normals"), by
+// a Hammersley set. Rays that would go into the surface have a share of 0. alpha: above 0; cosine: to the eye, 0 to 1.
 [[nodiscard]] std::vector<SheenRay> sheen_rays(double alpha, double cosine, int count);
 
 // Of the light that comes evenly from all sides, what a surface with sheen reflects to the eye: x of what it reflects

@@ -29,7 +29,6 @@ const PassEntry kSurfacesPass{
                                            {FL_SPEC_LENSES, has_small_lenses(needs, settings)},
                                            {FL_SPEC_GLOSS, has_gloss(needs, settings)},
                                            {FL_SPEC_SHEEN, has_sheen(needs, settings)},
-                                           {FL_SPEC_PROBES, has_probes(needs, settings)},
                                            {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
     },
     [](const PassContext& context) {

@@ -8,7 +8,8 @@ namespace footlight::render {
 
 // Light to the eye, cd/m^2. way: of the ray from the eye, unit, into the surface. Its error falls about as 1 / rays
 // where the light is smooth.
-[[nodiscard]] glm::dvec3 judge_mirrored(const fixtures::Sheen& sheen, const glm::dvec3& albedo, const glm::dvec3& normal,
-                                        const glm::dvec3& way, int rays, const LightFrom& light);
+[[nodiscard]] glm::dvec3 judge_mirrored(const fixtures::Sheen& sheen, const glm::dvec3& albedo,
+                                        const glm::dvec3& normal, const glm::dvec3& way, int rays,
+                                        const LightFrom& light);
 
 }  // namespace footlight::render

@@ -32,6 +32,7 @@ layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 #include "render/shaders/lib/sheen.glsl"
 #include "render/shaders/shared/probe.h"
 #include "render/shaders/lib/probes.glsl"
+layout(constant_id = FL_SPEC_PROBES) const bool kProbes = false;
 #define FL_LENSES_ACCESS readonly
 #include "render/shaders/lib/lens_row.glsl"
 

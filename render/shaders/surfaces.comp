@@ -42,8 +42,6 @@ float lit_share(uint index, uint number, BeamRow row, vec3 p);
 #include "render/shaders/lib/bounce.glsl"
 #include "render/shaders/shared/sheen.h"
 #include "render/shaders/lib/sheen.glsl"
-#include "render/shaders/shared/probe.h"
-#include "render/shaders/lib/probes.glsl"
 
 layout(local_size_x_id = FL_SPEC_GROUP) in;
 
@@ -446,11 +444,6 @@ void main() {
     bool shows_sheen = kSheen && surface[i].sheen != 0u && kView != uint(FL_VIEW_LUX);
     if (shows_sheen) illuminance_lx[i] = vec3(params.ambient_lx);
     if (kBounce) illuminance_lx[i] += bounced_lx(surface[i], params.position.xyz + offset_m[i]);
-    float even = 1.0;
-    // A loop of one round: lavapipe runs both sides of a branch.
-    for (uint once = shows_sheen ? 0u : 1u; kProbes && once < 1u; ++once) {
-      reflected[i] += probes_mirrored(sheen[i], sheens[surface[i].sheen].metal, surface[i].normal, offset_m[i], even);
-    }
     if (surface[i].kind == kBox) {
       float form = work_light(surface[i].normal, offset_m[i]);
       color = boxes[which].albedo.rgb / kPi * (illuminance_lx[i] + params.work_lx * form);
@@ -467,7 +460,7 @@ void main() {
         color += lens_radiance(which >> 3, surface[i].t_m, ray, surface[i].normal);
       }
     }
-    if (shows_sheen) color = even * color + reflected[i];
+    if (shows_sheen) color += reflected[i];
     if (kExtinction) color *= exp(-medium.extinction_per_m * surface[i].t_m);
     if (kView == uint(FL_VIEW_LUX)) color = surface[i].kind != kNothing ? illuminance_lx[i] : vec3(0.0);
     if (kShowsClasses) color = vec3(0.0);

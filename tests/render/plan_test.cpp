@@ -15,11 +15,10 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather",   "mirrors", "shadows", "gobos",       "bodies", "tiles",
-                                    "bounce", "probes",   "surfaces", "gloss", "depths",  "shadowtiles", "haze",   "coarse",
-                                    "records", "fine",    "shade",   "beams",       "lasers", "shafts",
-                                    "displays", "edges",  "strips",  "lenses",      "blur",   "glare",
-                                    "tonemap"};
+const std::vector<std::string> kAll{"step", "gather", "mirrors", "shadows", "gobos", "bodies", "tiles", "bounce",
+                                    "probes", "surfaces", "reflections", "gloss", "depths", "shadowtiles", "haze",
+                                    "coarse", "records", "fine", "shade", "beams", "lasers", "shafts", "displays",
+                                    "edges", "strips", "lenses", "blur", "glare", "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"coarse", "records", "fine", "shade"};
 
@@ -191,8 +190,14 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_LENSES, 1},
                                 {FL_SPEC_GLOSS, 1},
                                 {FL_SPEC_SHEEN, 1},
-                                {FL_SPEC_PROBES, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
+                              {"reflections",
+                               {{FL_SPEC_EXTINCTION, 1},
+                                {FL_SPEC_BOXES, 1},
+                                {FL_SPEC_BODIES, 1},
+                                {FL_SPEC_BOUNCE, 1},
+                                {FL_SPEC_GLOSS, 1},
+                                {FL_SPEC_SHEEN, 1}}},
                               {"gloss", {}},
                               {"depths", {}},
                               {"shadowtiles",
@@ -320,7 +325,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"panes", &Needs::panes, {"shafts"}, {}},
         Case{"gloss", &Needs::gloss, {"gloss"}, {FL_SPEC_GLOSS}},
         Case{"sheen", &Needs::sheen, {}, {FL_SPEC_SHEEN}},
-        Case{"probes", &Needs::probes, {"probes"}, {FL_SPEC_PROBES}},
+        Case{"probes", &Needs::probes, {"probes", "reflections"}, {}},
         Case{"displays", &Needs::displays, {"displays", "strips"}, {}},
         Case{"flex", &Needs::flex, {}, {FL_SPEC_FLEX}},
         Case{"smooth", &Needs::smooth, {}, {FL_SPEC_SMOOTH}},
@@ -336,7 +341,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"profile", &Needs::profile, {}, {FL_SPEC_PROFILE}},
         Case{"wide", &Needs::wide, {}, {FL_SPEC_WIDE}},
         Case{"iris", &Needs::iris, {}, {FL_SPEC_IRIS}},
-        Case{"surfaces", &Needs::surfaces, {"bounce", "probes"}, {FL_SPEC_BOXES, FL_SPEC_BOUNCE, FL_SPEC_PROBES}},
+        Case{"surfaces", &Needs::surfaces, {"bounce", "probes", "reflections"}, {FL_SPEC_BOXES, FL_SPEC_BOUNCE}},
         Case{"clouds", &Needs::haze_field, {"haze"}, {FL_SPEC_HAZE}},
         Case{"haze",
              &Needs::haze,
@@ -345,10 +350,11 @@ TEST_CASE("without a need its branches or its passes are left out") {
              true},
         Case{"fixtures",
              &Needs::fixtures,
-             {"step", "gather", "mirrors", "shadows", "gobos", "bodies", "tiles", "bounce", "probes", "depths",
+             {"step", "gather", "mirrors", "shadows", "gobos", "bodies", "tiles", "bounce", "probes",
+              "reflections", "depths",
               "shadowtiles",
               "coarse", "records", "fine", "shade", "beams", "lasers", "lenses"},
-             {FL_SPEC_BODIES, FL_SPEC_SHADOWS, FL_SPEC_BOUNCE, FL_SPEC_PROBES, FL_SPEC_LENSES}}}) {
+             {FL_SPEC_BODIES, FL_SPEC_SHADOWS, FL_SPEC_BOUNCE, FL_SPEC_LENSES}}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();
     needs.*c.need = false;

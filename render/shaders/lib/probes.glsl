@@ -1,5 +1,4 @@
 // What surfaces with sheen mirror, as reflection probes show it (shared/probe.h). After sheen.h and probe.h.
-layout(constant_id = FL_SPEC_PROBES) const bool kProbes = false;
 layout(set = 0, binding = FL_BINDING_PROBES, std430) readonly buffer ProbesBuffer { ProbeRow probes[]; };
 layout(set = 0, binding = FL_BINDING_PROBE_LIGHT, std430) readonly buffer ProbeLightBuffer { vec4 probe_light[]; };
 
@@ -38,8 +37,8 @@ vec3 probe_seen(uint probe, vec3 toward, float alpha) {
   return mix(probe_level_light(probe, uint(low), at), probe_level_light(probe, uint(low) + 1u, at), level - low);
 }
 
-// Light that a surface with sheen mirrors to the eye, cd/m^2. offset_m: from the camera. even: what is left of the light
-// that it shows of even illuminance, since that is mirrored here; a metal has no other.
+// Light that a surface with sheen mirrors to the eye, cd/m^2. offset_m: from the camera. even: what is left of the
+// light that it shows of even illuminance, since that is mirrored here; a metal has no other.
 vec3 probes_mirrored(Sheen sheen, float metal, vec3 normal, vec3 offset_m, out float even) {
   vec3 to_eye = -normalize(offset_m);
   vec3 place = params.position.xyz + offset_m;

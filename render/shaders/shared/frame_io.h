@@ -220,7 +220,7 @@
 #define FL_SPEC_PENUMBRA (50 + FL_LAMP_COUNT)  // points of a lens from which shadows are cast: 1, 4 or 7
 #define FL_SPEC_SHEEN (51 + FL_LAMP_COUNT)  // there are surfaces with sheen
 #define FL_SPEC_PLUMES (52 + FL_LAMP_COUNT)  // machines have plumes: selects another shader
-#define FL_SPEC_PROBES (53 + FL_LAMP_COUNT)  // surfaces with sheen mirror what probes show
+#define FL_SPEC_PROBES (53 + FL_LAMP_COUNT)  // probes show what surfaces with sheen mirror
 #define FL_SPEC_COUNT (54 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
@@ -844,8 +844,8 @@ struct BounceProbeRow {
   uint pad;
 };
 
-// A reflection probe: the box of the room that it shows, 48 bytes. Inside the box it counts whole; beside it less, until
-// nothing is left blend_m away.
+// A reflection probe: the box of the room that it shows, 48 bytes. Inside the box it counts whole; beside it less,
+// until nothing is left blend_m away.
 struct ProbeRow {
   vec4 low;     // m; w: blend_m, above 0
   vec4 high;    // m

@@ -5,7 +5,7 @@
 // Efficient Representations for Independent Unit Vectors"). A ray from another place than the probe's is followed to
 // the side of the box, and the map is read towards there (Lagarde and Zanuttini 2012, "Local Image-based Lighting with
 // Parallax-corrected Cubemaps"). Levels are those of the split sum (Karis 2013, "Real Shading in Unreal Engine 4"): the
-// light of a map's level times the share of light that the surface reflects. Errors: docs/numerics.md#reflection-probes.
+// light of a map's level times the share of light that the surface reflects. docs/numerics.md#reflection-probes
 
 // Alpha of the levels: 0 is what rays saw, the next one is this, and each has twice the alpha of the one before.
 FL_CONST float kProbeAlphaFirst = 0.08f;
@@ -55,8 +55,8 @@ FL_FN Real probe_texel_share(Vec3 way) {
   Real square = dot(way, way);
   return Real(1) / (square * sqrt(square));
 }
-// The texel of a level that stands for (x, y), which may be one beside the map: over an edge the map goes on at the same
-// edge, mirrored at its middle.
+// The texel of a level that stands for (x, y), which may be one beside the map: over an edge the map goes on at the
+// same edge, mirrored at its middle.
 FL_FN uint probe_texel(int x, int y, int side) {
   int column = x;
   int row = y;
@@ -71,8 +71,8 @@ FL_FN uint probe_texel(int x, int y, int side) {
   return uint(row * side + column);
 }
 
-// What a level takes of the light from a direction beside the one that it looks to: as facets of GGX mirror it to an eye
-// that looks straight down at them. facing: the cosine between the two directions.
+// What a level takes of the light from a direction beside the one that it looks to: as facets of GGX mirror it to an
+// eye that looks straight down at them. facing: the cosine between the two directions.
 FL_FN Real probe_lobe(Real alpha, Real facing) {
   Real square = alpha * alpha;
   Real half_square = Real(0.5) + Real(0.5) * facing;  // of the cosine between the facet and either
@@ -99,7 +99,7 @@ FL_FN Vec3 probe_toward(Vec3 place, Vec3 way, Vec3 low, Vec3 high, Vec3 center) 
 }
 
 // Facets whose slopes lie in the plane of the eye and the normal, one after the other: each stands for the facets with
-// its slope along that plane, whose slopes across it are those of Student's distribution once more. Seen at a slant, the
+// its slope along that plane, whose slopes across it are those of Student's distribution once more. At a slant the
 // light that they mirror is a streak towards the eye: a slope along the plane turns a ray twice as far as it is itself,
 // one across it less by the cosine.
 FL_CONST uint kProbeFacets = uint(8);

@@ -167,7 +167,7 @@ TEST_CASE("a surface in even light mirrors what the sheen reflects of it, by the
       for (const double straight : {0.04, 1.0}) {
         // The lobe itself, by a midpoint rule over facets: the lobe is narrow around them. Four times their cosine is
         // what a solid angle of facets becomes.
-        constexpr int kAcross = 400, kAround = 160;
+        constexpr int kAcross = 600, kAround = 240;
         double whole = 0;
         for (int i = 0; i < kAcross; ++i) {
           // Slopes alpha u / sqrt(1 - u^2), so that equal steps of u have similar shares.
@@ -191,7 +191,9 @@ TEST_CASE("a surface in even light mirrors what the sheen reflects of it, by the
       }
     }
   }
-  if (prints_probes()) std::fprintf(stderr, "shares: by samples within %.2g, by table within %.2g\n", of_samples, of_table);
+  if (prints_probes()) {
+    std::fprintf(stderr, "shares: by samples within %.2g, by table within %.2g\n", of_samples, of_table);
+  }
   CHECK(of_samples < 0.01);
   CHECK(of_table < 0.02);
 }

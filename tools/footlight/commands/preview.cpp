@@ -27,8 +27,7 @@ void add(Arguments& arguments) {
   auto edges = std::make_shared<std::string>();
   auto shadows = std::make_shared<std::string>("on");
   auto penumbra = std::make_shared<std::string>("1");
-  auto bounce = std::make_shared<std::string>("on");
-  auto reflections = std::make_shared<std::string>("on");
+  auto reflections = std::make_shared<ReflectionWords>();
   auto camera_words = std::make_shared<CameraWords>();
   auto error = std::make_shared<std::string>();
   auto ms = std::make_shared<std::string>();
@@ -86,9 +85,7 @@ void add(Arguments& arguments) {
                    "default: 16 on a GPU, 4 on a CPU");
   arguments.option("--shadows", *shadows, "WORD", kShadowsHelp);
   arguments.option("--penumbra", *penumbra, "POINTS", kPenumbraHelp);
-  arguments.option("--bounce", *bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
-  arguments.option("--reflections", *reflections, "WORD",
-                   "on; off: shiny surfaces show lamps alone, and mirror nothing else of the stage [on]");
+  add_reflection_arguments(arguments, *reflections);
   add_camera_arguments(arguments, *camera_words);
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0: stay open");
@@ -105,8 +102,7 @@ void add(Arguments& arguments) {
     FL_TRY(stage_compare_of(options->compare_stage));
     FL_TRY(take_shadows(*shadows, options->display));
     FL_TRY(take_penumbra(*penumbra, options->display));
-    FL_ASSIGN(options->bounce, parse_bounce(*bounce));
-    FL_ASSIGN(options->probes, parse_reflections(*reflections));
+    FL_TRY(take_reflections(*reflections, options->bounce, options->probes));
     FL_TRY(take_camera_words(*camera_words, options->display));
     FL_TRY(take_lens(*camera_words, {}, options->display));
     options->camera_words = *camera_words;

@@ -54,8 +54,7 @@ struct Options {
   std::string edges;
   std::string shadows = "on";
   std::string penumbra = "1";
-  std::string bounce = "on";
-  std::string reflections = "on";
+  ReflectionWords reflections;
   CameraWords camera_words;
   int supersample = 1;
   std::string flashes = "warn";
@@ -446,8 +445,7 @@ Result<int> render_pictures(const Options& options) {
   }
   FL_TRY(take_shadows(options.shadows, settings));
   FL_TRY(take_penumbra(options.penumbra, settings));
-  FL_ASSIGN(settings.bounce, parse_bounce(options.bounce));
-  FL_ASSIGN(settings.probes, parse_reflections(options.reflections));
+  FL_TRY(take_reflections(options.reflections, settings.bounce, settings.probes));
   FL_TRY(take_camera_words(options.camera_words, settings));
   FL_TRY(take_lens(options.camera_words, camera, settings));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
@@ -559,9 +557,7 @@ void add(Arguments& arguments) {
                    "default: 16 on a GPU, 4 on a CPU");
   arguments.option("--shadows", options->shadows, "WORD", kShadowsHelp);
   arguments.option("--penumbra", options->penumbra, "POINTS", kPenumbraHelp);
-  arguments.option("--bounce", options->bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
-  arguments.option("--reflections", options->reflections, "WORD",
-                   "on; off: shiny surfaces show lamps alone, and mirror nothing else of the stage [on]");
+  add_reflection_arguments(arguments, options->reflections);
   add_camera_arguments(arguments, options->camera_words);
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");
   arguments.option(

@@ -76,9 +76,17 @@ void warn_of_hard_edges(const render::FrameSettings& frame) {
              frame.penumbra);
 }
 
-Result<bool> parse_bounce(const std::string& text) { return parse_switch("--bounce", text); }
+void add_reflection_arguments(Arguments& arguments, ReflectionWords& words) {
+  arguments.option("--bounce", words.bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
+  arguments.option("--reflections", words.reflections, "WORD",
+                   "on; off: shiny surfaces show lamps alone, and mirror nothing else of the stage [on]");
+}
 
-Result<bool> parse_reflections(const std::string& text) { return parse_switch("--reflections", text); }
+Status take_reflections(const ReflectionWords& words, bool& bounce, bool& probes) {
+  FL_ASSIGN(bounce, parse_switch("--bounce", words.bounce));
+  FL_ASSIGN(probes, parse_switch("--reflections", words.reflections));
+  return {};
+}
 
 Result<double> parse_glare(const std::string& text) {
   if (text == "off") return 0.0;
