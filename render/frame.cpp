@@ -53,7 +53,8 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   widest.gloss_px = std::max(settings.gloss_px, 1u);
   std::vector<bool> used(FL_BINDING_COUNT, false);
   for (const std::uint32_t binding : frame_bindings()) used[binding] = true;
-  used[FL_BINDING_LENSES] = true;  // live_error.h names it in any frame
+  // live_error.h names them in any frame.
+  used[FL_BINDING_LENSES] = used[FL_BINDING_PROBES] = used[FL_BINDING_PROBE_LIGHT] = true;
   for (const PassEntry* pass : passes) {
     if (!pass->needed(compiled.needs, widest)) continue;
     for (const std::uint32_t binding : bindings_of(*pass)) used[binding] = true;
@@ -117,6 +118,10 @@ Status Frame::check_settings(const FrameSettings& settings) const {
     return fail(ErrorCode::kBadInput, "f-stop {} at {} m: expected 0 for none, or {} to {} at {} m or more",
                 settings.f_stop, settings.focus_m, fixtures::kFStopMin, fixtures::kFStopMax, fixtures::kFocusMinM);
   }
+  if (settings.probe_texels < 1 || settings.probe_texels > FL_PROBE_TEXELS) {
+    return fail(ErrorCode::kBadInput, "{} texels of a reflection probe a frame: expected 1 to {}",
+                settings.probe_texels, FL_PROBE_TEXELS);
+  }
   if (settings.gloss_px > 8) {
     return fail(ErrorCode::kBadInput, "{} pixels a side of one of a mirror: expected 0 to 8", settings.gloss_px);
   }
@@ -153,6 +158,9 @@ Status Frame::change(const FrameSettings& requested) {
   }
   if (has_bounce(needs, settings) && has_bodies(needs, settings) != resources_.rig.has_bodies) {
     return fail(ErrorCode::kBadInput, "reflected light was made with other bodies: expected a new frame");
+  }
+  if (has_probes(needs, settings) && !resources_.rig.has_probes) {
+    return fail(ErrorCode::kBadInput, "reflection probes were left out when the frame was made: expected a new frame");
   }
   const bool has_images = resources_.picture.screen.handle != VK_NULL_HANDLE;
   const bool same_images =
@@ -382,6 +390,7 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.body_error_px = static_cast<float>(settings_.body_error_px);
   params.computed_triangles = has_computed_triangles(needs_, settings) ? 1 : 0;
   params.object_level = resources_.rig.object_draw_count > 0 ? resources_.rig.draw_count : FL_NONE;
+  params.probe_count = resources_.rig.probe_count;
   if (mirror != nullptr) params.mirror_m = static_cast<float>(mirror_plane_.height_m() - view.position_m.z);
   vk::full_barrier(commands);  // the frame before may still be reading
   vkCmdUpdateBuffer(commands, resources_.rig.params.handle, 0, sizeof(params), &params);

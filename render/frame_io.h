@@ -59,4 +59,5 @@ static_assert(sizeof(BounceSolidRow) == 96);
 static_assert(sizeof(BouncePatchRow) == 80);
 static_assert(sizeof(BounceGrid) == 32);
 static_assert(sizeof(BounceProbeRow) == 32);
+static_assert(sizeof(ProbeRow) == 48 && FL_PROBE_TEXELS == 1 << 2 * FL_PROBE_SIDE_LOG2);
 }  // namespace footlight::render

@@ -80,6 +80,7 @@ Result<std::shared_ptr<const vk::Pipeline>> LiveError::begin_pipeline(vk::Device
                                                                       const fixtures::Needs& needs) {
   std::vector<vk::SpecConstant> constants = kSurfacesPass.constants(needs, settings);
   constants.push_back({FL_SPEC_GOBO_TAPS, 1024});
+  constants.push_back({FL_SPEC_PROBES, has_probes(needs, settings)});
   constants.push_back({FL_SPEC_EDGES, has_smooth_edges(needs, settings)});
   return device.pipelines().begin_compute(
       has_haze_field(needs, settings) ? vk::Spirv(kHazerecheckComp) : vk::Spirv(kRecheckComp), constants);

@@ -49,6 +49,7 @@ std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
   known += groups.add("shadows", {&rig.shadow_lists, &rig.shadows, &rig.shadow_maps});
   known += groups.add("reflected light", {&rig.bounce_solids, &rig.bounce_tree, &rig.bounce_patch_rows,
                                           &rig.bounce_grid, &rig.bounce_forms, &rig.bounce_flux, &rig.bounce_light});
+  known += groups.add("reflection probes", {&rig.probes, &rig.probe_light});
   known += groups.add("clouds of haze", {&rig.haze}, {&rig.haze_table});
   known += groups.add("lasers", {&rig.laser_segments, &rig.lasers});
   known += groups.add("mirror balls", {&rig.mirror_balls, &rig.mirror_pairs, &rig.mirror_normals, &rig.mirror_picks});

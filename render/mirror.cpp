@@ -11,6 +11,7 @@
 #include "render/passes/displays.h"
 #include "render/passes/haze.h"
 #include "render/passes/lenses.h"
+#include "render/passes/reflections.h"
 #include "render/passes/shadowtiles.h"
 #include "render/passes/surfaces.h"
 #include "render/passes/tiles.h"
@@ -21,8 +22,9 @@ namespace footlight::render {
 namespace {
 
 // The passes of the mirrored camera's view, in the order of the frame.
-const PassEntry* const kMirrored[] = {&kBodiesPass, &kTilesPass, &kSurfacesPass, &kDepthsPass, &kShadowtilesPass,
-                                      &kHazePass,   &kBeamsPass, &kDisplaysPass, &kLensesPass};
+const PassEntry* const kMirrored[] = {&kBodiesPass, &kTilesPass,       &kSurfacesPass, &kReflectionsPass,
+                                      &kDepthsPass, &kShadowtilesPass, &kHazePass,     &kBeamsPass,
+                                      &kDisplaysPass, &kLensesPass};
 
 // The push constants of mirrordown.comp.
 struct DownPush {

@@ -179,6 +179,10 @@ struct PassEntry {
   return needs.fixtures && settings.bounce && settings.view != FrameView::kClasses &&
          (needs.surfaces || (needs.objects && settings.bodies));
 }
+// Whether surfaces with sheen mirror what reflection probes show. The light that these see comes from the bounce pass.
+[[nodiscard]] inline bool has_probes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.probes && settings.probes && has_bounce(needs, settings) && settings.view == FrameView::kPicture;
+}
 // Whether the edges of solid things are smoothed.
 [[nodiscard]] inline bool has_smooth_edges(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_solids(needs, settings) && settings.edge_samples > 0 && settings.view == FrameView::kPicture;

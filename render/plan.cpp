@@ -17,7 +17,9 @@
 #include "render/passes/lasers.h"
 #include "render/passes/lenses.h"
 #include "render/passes/mirrors.h"
+#include "render/passes/probes.h"
 #include "render/passes/records.h"
+#include "render/passes/reflections.h"
 #include "render/passes/shade.h"
 #include "render/passes/shadows.h"
 #include "render/passes/shadowtiles.h"
@@ -42,7 +44,9 @@ const PassEntry* const kPasses[] = {
     &kBodiesPass,    // fixture bodies -> visibility buffer
     &kTilesPass,     // beams -> which supertile they touch
     &kBouncePass,    // beams x boxes and scenery -> light that these reflect
+    &kProbesPass,    // light that boxes and scenery reflect, beams in haze -> what shiny surfaces mirror
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
+    &kReflectionsPass,  // what probes show -> radiance of shiny surfaces
     &kGlossPass,     // picture of the mirrored camera -> radiance of floors that mirror
     &kDepthsPass,    // radiance's distances -> planes of tiles
     &kShadowtilesPass,  // beams x their shadows -> which of these reach each supertile

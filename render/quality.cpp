@@ -311,6 +311,7 @@ FrameSettings rough_settings(const FrameSettings& whole, std::uint32_t beams) {
   rough.height = std::max(whole.height / divisor, 1);
   rough.edge_samples = 0;
   rough.bounce = false;
+  rough.probes = false;
   if (beams > kRoughBeamsMax) {
     rough.shadows = false;
     rough.nodes = 1;

@@ -21,6 +21,7 @@
 #include "render/pane_groups.h"
 #include "render/pane_tables.h"
 #include "render/pass.h"
+#include "render/probe_tables.h"
 #include "render/shadow_tables.h"
 #include "render/sheen_tables.h"
 #include "sim/core/no_signals.h"
@@ -121,6 +122,8 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_BOUNCE_FORMS, &R::bounce_forms},
     {FL_BINDING_BOUNCE_FLUX, &R::bounce_flux},
     {FL_BINDING_BOUNCE_LIGHT, &R::bounce_light},
+    {FL_BINDING_PROBES, &R::probes},
+    {FL_BINDING_PROBE_LIGHT, &R::probe_light},
     {FL_BINDING_GLOSS, &R::gloss},
     {FL_BINDING_HAZE, &R::haze},
     {FL_BINDING_PANES, &R::panes},
@@ -546,7 +549,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_DEPTH: return (has_computed_triangles(shape.needs, settings) ? 1 : solid_pixels) * 4;
     case FL_BINDING_RADIANCE: return pixels * 16;
     case FL_BINDING_SCREEN: return screen_pixels(settings) * 4;
-    default: return 0;
+    default: return probe_bytes(binding, shape);
   }
 }
 
@@ -647,6 +650,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   if (used[FL_BINDING_PANES]) FL_TRY(make_pane_tables(device, shape.rig, has_pane_sums(shape.needs), r));
   if (used[FL_BINDING_DISPLAYS]) FL_TRY(make_display_tables(device, shape, r));
   if (used[FL_BINDING_BOUNCE_LIGHT]) FL_TRY(make_bounce_tables(device, shape, r));
+  if (used[FL_BINDING_PROBE_LIGHT]) FL_TRY(make_probe_tables(device, shape, diagnostics, r));
   std::vector<std::uint32_t> gobo_planes;
   if (reading_gobos.valid()) {
     GoboTexels gobos = reading_gobos.get();

@@ -86,6 +86,7 @@ struct RigTables {
   vk::Buffer shadow_maps;    // lib/shadow_map.glsl
   // Light that surfaces reflect (render/bounce_tables.h). The forms are computed by the first frame that reads them.
   vk::Buffer bounce_solids, bounce_tree, bounce_patch_rows, bounce_grid, bounce_forms, bounce_flux, bounce_light;
+  vk::Buffer probes, probe_light;  // render/probe_tables.h
   vk::Buffer haze;               // HazeField
   vk::Image haze_table;          // of haze that is not even; a texel where it is even
   vk::Buffer body_spaces, body_rounds;  // BodySpaceRow; BodyRoundsHead, then BodyRoundRow
@@ -147,6 +148,10 @@ struct RigTables {
   bool has_bounce_forms = false;  // they were computed
   std::uint32_t bounce_patches = 0;
   std::uint32_t bounce_probes = 0;
+  bool has_probes = false;         // there is what reflection probes need
+  std::uint32_t probe_count = 0;
+  std::uint32_t probe_next = 0;    // texel of each probe, in their order, that is computed next
+  bool has_probe_light = false;    // all texels were computed once
   std::vector<std::uint32_t> level_triangles;  // of each BodyLevelRow
   std::uint64_t body_triangles = 0;            // of the whole meshes of all bodies
   std::uint64_t object_triangles = 0;

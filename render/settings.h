@@ -95,6 +95,12 @@ struct FrameSettings {
   // Boxes and built-in scenery reflect light to each other and to bodies (render/bounce_tables.h). Off here since the
   // judge has no such light; `render` and `preview` turn it on.
   bool bounce = false;
+  // Surfaces with sheen mirror what reflection probes show (render/probe_tables.h). Only with bounce. Off here, too;
+  // `render` and `preview` turn it on.
+  bool probes = false;
+  // Texels of each probe that a frame computes anew, 1 to FL_PROBE_TEXELS: all of them, or one after the other over
+  // many frames, so that mirrored light is late.
+  std::uint32_t probe_texels = FL_PROBE_TEXELS;
   // Pixels a side of the radiance, times supersample, that a pixel of the mirrored camera's picture stands for, 1 to 8,
   // in rigs with floors that mirror (render/mirror.h); 0: all floors are matt.
   std::uint32_t gloss_px = 2;

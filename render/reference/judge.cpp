@@ -14,11 +14,13 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
 #include "fixtures/photometry/table.h"
+#include "render/probe.h"
 #include "render/reference/cores.h"
 #include "render/reference/display_judge.h"
 #include "render/reference/gloss_judge.h"
 #include "render/reference/mirror_judge.h"
 #include "render/reference/plume_judge.h"
+#include "render/reference/probe_judge.h"
 #include "render/reference/shaft_judge.h"
 #include "render/reference/wide.h"
 #include "sim/core/check.h"
@@ -29,7 +31,6 @@ using namespace ::footlight::f64;
 namespace {
 using fixtures::kWheelOpening;
 #include "render/shaders/shared/optics.h"
-#include "render/shaders/shared/sheen.h"
 }  // namespace
 }  // namespace footlight::render::f64
 
@@ -529,6 +530,17 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     lux += judge_sun_lux(scene, point_m, hit->normal);
     lux += judge_display_lux(scene, point_m, hit->normal);
     glm::dvec3 light = hit->albedo * lux / std::numbers::pi + of_sheen;
+    if (hit->sheen && scene.sheen_rays > 0) {
+      // What these rays meet mirrors nothing, as in a probe.
+      JudgeScene seen = scene;
+      seen.sheen_rays = 0;
+      for (fixtures::StageBox& box : seen.boxes) box.sheen.reset();
+      double others = 0;
+      light += judge_mirrored(*hit->sheen, hit->albedo, hit->normal, ray.direction, scene.sheen_rays,
+                              [&](const glm::dvec3& direction) {
+                                return radiance(seen, {point_m, direction}, tolerance, refinement, &others);
+                              });
+    }
     if (const fixtures::GlossTop* gloss = hit->normal.z > 0 ? gloss_at(scene, point_m) : nullptr; gloss != nullptr) {
       const double share = gloss_share(gloss->gloss, -ray.direction.z);
       double others = 0;

@@ -115,6 +115,7 @@ struct JudgeScene {
   std::vector<JudgeDisplay> displays;
   std::vector<fixtures::GlossTop> glosses;  // of boxes: tops that mirror (gloss_judge.h)
   int gloss_rays = 256;                     // that a rough one sends
+  int sheen_rays = 0;  // that a surface with sheen sends for what it mirrors (probe_judge.h); 0: it mirrors nothing
   fixtures::Haze haze;
   HazeDensity density;          // empty: haze is even
   bool even_extinction = true;  // light is lost as in even haze; false: to the density on its way, 1000 times slower;

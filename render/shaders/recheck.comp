@@ -26,9 +26,13 @@
 #include "render/shaders/lib/shadow.glsl"
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 #include "render/shaders/lib/surface_light.glsl"
+#include "render/shaders/lib/air_light.glsl"
 #include "render/shaders/lib/bounce.glsl"
 #include "render/shaders/shared/sheen.h"
 #include "render/shaders/lib/sheen.glsl"
+#include "render/shaders/shared/probe.h"
+#include "render/shaders/lib/probes.glsl"
+layout(constant_id = FL_SPEC_PROBES) const bool kProbes = false;
 #define FL_LENSES_ACCESS readonly
 #include "render/shaders/lib/lens_row.glsl"
 
@@ -59,26 +63,6 @@ uint hashed(uint x) {
 }
 float uniform_of(uint x) { return float(x >> 8) * (1.0 / 16777216.0); }
 
-// Light of a part of a beam's chord over sigma_s J0.
-vec3 light_of_chord(BeamShape beam, BeamRow row, Medium medium, Chord chord, vec3 ray, bool gobo) {
-  const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
-  if (gobo) {
-    gobo_sample = 0u;
-    if (kWide && beam.spread > kWideSpread) {
-      return chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo, as_it_is);
-    }
-    ChordWeight smooth_part = chord_weight(beam, medium, chord, ray, kExtinction);
-    return chord_inscatter_taps(beam, chord, smooth_part, ray, kGoboTaps, row.gobo, as_it_is);
-  }
-  if (kMeasured && row.measured != 0u) {
-    return vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
-  }
-  if (kWide && beam.spread > kWideSpread) {
-    return vec3(chord_inscatter_wide(beam, medium, chord, ray, 2u, kExtinction));
-  }
-  return vec3(chord_inscatter_gauss(beam, medium, chord, ray, kNodes, kExtinction));
-}
-
 // Light of a beam in the haze along a unit ray, over sigma_s.
 vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m) {
   BeamShape beam = beam_shape(row);
@@ -90,51 +74,23 @@ vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m)
   if (thin_in_haze_applies(row)) {
     gain = thin_in_haze(beam, row, eye, ray, dot(d, params.forward.xyz), t_max_m, thin_is_plain(row, gobo));
   }
-  Chord chord;
-  if (!beam_chord(beam, eye, ray, 0.0, t_max_m, chord)) return vec3(0.0);
-  if (kRectangle && row.squeeze > 0.0 && !chord_in_rectangle(chord)) return vec3(0.0);
-  if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) {
-    bool seen = true;
-    for (int e = 0; e < 4; ++e) seen = chord_cut(chord, blades[index].edge[e].xy, blades[index].edge[e].z) && seen;
-    chord_close(chord);
-    if (!seen) return vec3(0.0);
-  }
-  Chord whole = chord;
-  vec3 value = vec3(0.0);
-  uint bodies = kShadows && !kMaps ? shadow_lists[index].count / kLensPoints : 0u;
-  for (uint point = 0u; point < kLensPoints; ++point) {
-    ShadowParts parts;
-    shadow_parts_clear(parts);
-    if (kShadows) {
-      ShadowChord ends = shadow_chord(row, beam, whole, ray);
-      uint first = shadow_lists[index].first + point * bodies;
-      if (kMaps) parts = map_parts(index, ends);
-      for (uint n = first; n < first + bodies; ++n) shadow_parts_join(parts, shadow_whole(n), ends);
-    }
-    float from = 0.0;
-    bool more = true;
-    while (more) {
-      float to = 1.0;
-      float next = 1.0;
-      more = shadow_parts_next(parts, from, to, next);
-      to = min(to, 1.0);
-      if (kShadows) chord = chord_part(whole, from, to);
-      if (to > from) value += point_share(1u << point) * light_of_chord(beam, row, medium, chord, ray, gobo);
-      from = next;
-    }
-  }
-  return row.j0.rgb * (gain * value);
+  return row.j0.rgb *
+         (gain * air_light(beam, row, index, medium, eye, ray, t_max_m, gobo, AirKnobs(kNodes, kGoboTaps)));
 }
 
 // What the eye gets from a surface with this illuminance. reflected: of a surface with sheen, the light of beams,
 // cd/m^2.
-vec3 seen_of(Surface surface, vec3 offset_m, vec3 lx, vec3 reflected, Medium medium) {
+vec3 seen_of(Surface surface, Sheen sheen, vec3 offset_m, vec3 lx, vec3 reflected, Medium medium) {
   if (surface.kind == kNothing) return vec3(0.0);
   float form = work_light(surface.normal, offset_m);
   if (kBounce) lx += bounced_lx(surface, params.position.xyz + offset_m);
   vec3 albedo = albedo_of(surface);
   vec3 ambient = vec3(surface.kind == kBox ? params.ambient_lx : params.ambient_lx * form);
-  vec3 color = albedo / kPi * (lx + ambient + params.work_lx * form) + reflected;
+  float even = 1.0;
+  if (kProbes && surface.sheen != 0u) {
+    reflected += probes_mirrored(sheen, sheens[surface.sheen].metal, surface.normal, offset_m, even);
+  }
+  vec3 color = even * albedo / kPi * (lx + ambient + params.work_lx * form) + reflected;
   if (surface.kind == kBody && (surface.which & uint(FL_PART_LENS)) != 0u) {
     color += lens_radiance(surface.which >> 3, surface.t_m, normalize(offset_m), surface.normal);
   }
@@ -234,7 +190,7 @@ void main() {
     air += sum_air[i];
     small += sum_lenses[i];
   }
-  vec3 general = seen_of(surface, offset_m, lx, reflected, medium) + params.forward.w * air + small;
+  vec3 general = seen_of(surface, sheen, offset_m, lx, reflected, medium) + params.forward.w * air + small;
   vec4 shown = imageLoad(radiance, ivec2(pixel));
   empty = empty || has_edge(pixel);
   rechecked[gl_WorkGroupID.x] =

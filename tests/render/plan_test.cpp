@@ -15,11 +15,10 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather",   "mirrors", "shadows", "gobos",       "bodies", "tiles",
-                                    "bounce", "surfaces", "gloss",   "depths",  "shadowtiles", "haze",   "coarse",
-                                    "records", "fine",    "shade",   "beams",       "lasers", "shafts",
-                                    "displays", "edges",  "strips",  "lenses",      "blur",   "glare",
-                                    "tonemap"};
+const std::vector<std::string> kAll{"step", "gather", "mirrors", "shadows", "gobos", "bodies", "tiles", "bounce",
+                                    "probes", "surfaces", "reflections", "gloss", "depths", "shadowtiles", "haze",
+                                    "coarse", "records", "fine", "shade", "beams", "lasers", "shafts", "displays",
+                                    "edges", "strips", "lenses", "blur", "glare", "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"coarse", "records", "fine", "shade"};
 
@@ -50,7 +49,8 @@ Needs demo_needs() {
   for (bool Needs::*need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake,
                             &Needs::pulses, &Needs::macro, &Needs::wide, &Needs::iris, &Needs::laser,
-                            &Needs::panes, &Needs::displays, &Needs::gloss, &Needs::sheen, &Needs::mirrors}) {
+                            &Needs::panes, &Needs::displays, &Needs::gloss, &Needs::sheen, &Needs::mirrors,
+                            &Needs::probes}) {
     CHECK_FALSE(needs.*need);
     needs.*need = true;
   }
@@ -67,6 +67,7 @@ Needs demo_needs() {
 FrameSettings every_setting() {
   FrameSettings settings;
   settings.bounce = true;
+  settings.probes = true;
   settings.f_stop = 2;
   return settings;
 }
@@ -153,6 +154,21 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_RECTANGLE, 1},
                                 {FL_SPEC_WIDE, 1},
                                 {FL_SPEC_IRIS, 1}}},
+                              {"probes",
+                               {{FL_SPEC_GOBO, 1},
+                                {FL_SPEC_EXTINCTION, 1},
+                                {FL_SPEC_PROFILE, 1},
+                                {FL_SPEC_BLADES, 1},
+                                {FL_SPEC_FOCUS, 1},
+                                {FL_SPEC_ANIMATION, 1},
+                                {FL_SPEC_MEASURED, 1},
+                                {FL_SPEC_RECTANGLE, 1},
+                                {FL_SPEC_WIDE, 1},
+                                {FL_SPEC_IRIS, 1},
+                                {FL_SPEC_SHADOWS, 1},
+                                {FL_SPEC_MAP_PX, 0},
+                                {FL_SPEC_PENUMBRA, 1},
+                                {FL_SPEC_AIR, 1}}},
                               {"surfaces",
                                {{FL_SPEC_GOBO, 1},
                                 {FL_SPEC_EXTINCTION, 1},
@@ -175,6 +191,13 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_GLOSS, 1},
                                 {FL_SPEC_SHEEN, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
+                              {"reflections",
+                               {{FL_SPEC_EXTINCTION, 1},
+                                {FL_SPEC_BOXES, 1},
+                                {FL_SPEC_BODIES, 1},
+                                {FL_SPEC_BOUNCE, 1},
+                                {FL_SPEC_GLOSS, 1},
+                                {FL_SPEC_SHEEN, 1}}},
                               {"gloss", {}},
                               {"depths", {}},
                               {"shadowtiles",
@@ -302,6 +325,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"panes", &Needs::panes, {"shafts"}, {}},
         Case{"gloss", &Needs::gloss, {"gloss"}, {FL_SPEC_GLOSS}},
         Case{"sheen", &Needs::sheen, {}, {FL_SPEC_SHEEN}},
+        Case{"probes", &Needs::probes, {"probes", "reflections"}, {}},
         Case{"displays", &Needs::displays, {"displays", "strips"}, {}},
         Case{"flex", &Needs::flex, {}, {FL_SPEC_FLEX}},
         Case{"smooth", &Needs::smooth, {}, {FL_SPEC_SMOOTH}},
@@ -317,7 +341,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"profile", &Needs::profile, {}, {FL_SPEC_PROFILE}},
         Case{"wide", &Needs::wide, {}, {FL_SPEC_WIDE}},
         Case{"iris", &Needs::iris, {}, {FL_SPEC_IRIS}},
-        Case{"surfaces", &Needs::surfaces, {"bounce"}, {FL_SPEC_BOXES, FL_SPEC_BOUNCE}},
+        Case{"surfaces", &Needs::surfaces, {"bounce", "probes", "reflections"}, {FL_SPEC_BOXES, FL_SPEC_BOUNCE}},
         Case{"clouds", &Needs::haze_field, {"haze"}, {FL_SPEC_HAZE}},
         Case{"haze",
              &Needs::haze,
@@ -326,7 +350,9 @@ TEST_CASE("without a need its branches or its passes are left out") {
              true},
         Case{"fixtures",
              &Needs::fixtures,
-             {"step", "gather", "mirrors", "shadows", "gobos", "bodies", "tiles", "bounce", "depths", "shadowtiles",
+             {"step", "gather", "mirrors", "shadows", "gobos", "bodies", "tiles", "bounce", "probes",
+              "reflections", "depths",
+              "shadowtiles",
               "coarse", "records", "fine", "shade", "beams", "lasers", "lenses"},
              {FL_SPEC_BODIES, FL_SPEC_SHADOWS, FL_SPEC_BOUNCE, FL_SPEC_LENSES}}}) {
     CAPTURE(c.what);
@@ -340,7 +366,8 @@ TEST_CASE("without a need its branches or its passes are left out") {
       for (SpecConstant& constant : pass.constants) {
         const bool lost = std::find(c.constants.begin(), c.constants.end(), constant.id) != c.constants.end();
         const bool shafts = pass.name == std::string("shafts");
-        const bool others = shafts || pass.name == std::string("lasers") || pass.name == std::string("displays");
+        const bool others = shafts || pass.name == std::string("probes") ||
+                            pass.name == std::string("lasers") || pass.name == std::string("displays");
         // Boxes hide the sun where there are no fixtures.
         const bool sunny = shafts && c.need == &Needs::fixtures && constant.id == FL_SPEC_SHADOWS;
         if (lost && !sunny) constant.value = 0;

@@ -8,7 +8,7 @@
 
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

@@ -159,7 +159,11 @@
 #define FL_BINDING_BLURRED (117 + FL_LAMP_COUNT)
 #define FL_BINDING_BLURS (118 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGE_PARTS (119 + FL_LAMP_COUNT)  // EdgePartRow, one a row of tiles
-#define FL_BINDING_COUNT (120 + FL_LAMP_COUNT)
+// Reflection probes (lib/probes.glsl): ProbeRow, one a probe; FL_PROBE_SHARES x FL_PROBE_SHARES shares of light, then
+// the texels of each probe, level after level (shared/probe.h).
+#define FL_BINDING_PROBES (120 + FL_LAMP_COUNT)
+#define FL_BINDING_PROBE_LIGHT (121 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (122 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -217,7 +221,8 @@
 #define FL_SPEC_PENUMBRA (50 + FL_LAMP_COUNT)  // points of a lens from which shadows are cast: 1, 4 or 7
 #define FL_SPEC_SHEEN (51 + FL_LAMP_COUNT)  // there are surfaces with sheen
 #define FL_SPEC_PLUMES (52 + FL_LAMP_COUNT)  // machines have plumes: selects another shader
-#define FL_SPEC_COUNT (53 + FL_LAMP_COUNT)
+#define FL_SPEC_PROBES (53 + FL_LAMP_COUNT)  // probes show what surfaces with sheen mirror
+#define FL_SPEC_COUNT (54 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -344,7 +349,7 @@ struct FrameParams {
   uint cuts_max;  // of the CutRow table
   uint object_level;  // row of the objects in the table of levels; FL_NONE: there are none
   float mirror_m;  // of a mirrored camera: the height of the mirror above it, m, where its rays begin; else 0
-  uint pad_1;
+  uint probe_count;  // rows of the ProbeRow table
   uint pad_2;
   uint pad_3;
 };
@@ -840,6 +845,21 @@ struct BounceProbeRow {
   uint usable;       // 0: inside a solid
   uint pad;
 };
+
+// A reflection probe: the box of the room that it shows, 48 bytes. Inside the box it counts whole; beside it less,
+// until nothing is left blend_m away.
+struct ProbeRow {
+  vec4 low;     // m; w: blend_m, above 0
+  vec4 high;    // m
+  vec4 center;  // from where its texels are seen, m
+};
+#define FL_PROBES_MAX 16
+#define FL_PROBE_SIDE_LOG2 6  // texels a side of level 0
+#define FL_PROBE_TEXELS 4096  // of level 0: FL_PROBE_SIDE_LOG2 twice
+#define FL_PROBE_LEVELS 6     // sides 64, 32, 16, 8, 8, 8
+#define FL_PROBE_ALL 5568     // texels of all levels
+#define FL_PROBE_SHARES 16    // a side of the table of shares
+#define FL_GROUP_PROBES 64    // texels a workgroup
 
 // A mesh of bodies: one a fixture type and head; 80 bytes. Its bodies are neighbours in the table of slots.
 struct BodyMeshRow {

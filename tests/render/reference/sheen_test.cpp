@@ -10,20 +10,7 @@
 #include <doctest/doctest.h>
 #include <glm/glm.hpp>
 
-#include "sim/shared/shared.h"
-
-namespace footlight::render::f32 {
-using namespace ::footlight::f32;
-namespace {
-#include "render/shaders/shared/sheen.h"
-}  // namespace
-}  // namespace footlight::render::f32
-namespace footlight::render::f64 {
-using namespace ::footlight::f64;
-namespace {
-#include "render/shaders/shared/sheen.h"
-}  // namespace
-}  // namespace footlight::render::f64
+#include "render/probe.h"
 
 namespace {
 

@@ -170,6 +170,7 @@ std::vector<fixtures::Needs> several_needs() {
   all.motion = all.strobe = all.machines = all.spin = all.color = all.optics = all.dowser = true;
   all.flex = all.smooth = all.stacked = all.shake = all.pulses = all.macro = true;
   all.haze_field = all.laser = all.panes = all.displays = all.gloss = all.sheen = all.mirrors = all.objects = true;
+  all.probes = true;
   return {few, some, all};
 }
 

@@ -101,7 +101,7 @@ TEST_CASE("without runs nothing is timed, and the bytes are the same") {
   // Nothing has a gobo, haze is even, there is no laser, sun or display, judged pictures have no reflected light, and
   // no depth of field is asked for.
   CHECK(passes == std::set<std::string>{"gobos", "gloss", "haze", "lasers", "mirrors", "shafts", "displays", "strips",
-                                        "bounce", "blur"});
+                                        "bounce", "probes", "reflections", "blur"});
   CHECK(row_of(rows, "gobo", false).bytes > 0);
   CHECK(row_of(rows, "plumes", false).bytes > row_of(rows, "clouds", false).bytes);
   CHECK((text_of(rows, "beams").find("not timed") != std::string::npos));

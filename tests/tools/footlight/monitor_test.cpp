@@ -19,7 +19,7 @@
 #include "tools/footlight/monitor/monitor_view.h"
 #include "tools/footlight/monitor/terminal.h"
 #include "tools/footlight/status/json_lines.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

@@ -21,6 +21,7 @@
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/status/json_lines.h"
+#include "tools/footlight/status/printable.h"
 #include "tools/footlight/status/status_text.h"
 #include "tools/footlight/stop_signal.h"
 

@@ -21,7 +21,7 @@
 #include "tools/footlight/monitor/terminal.h"
 #include "tools/footlight/progress.h"
 #include "tools/footlight/status/json_lines.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

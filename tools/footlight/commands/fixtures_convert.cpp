@@ -13,7 +13,7 @@
 #include "sim/core/counted.h"
 #include "sim/file_kind.h"
 #include "tools/footlight/commands/fixtures_command.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

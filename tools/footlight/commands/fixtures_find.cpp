@@ -6,7 +6,7 @@
 
 #include "fixtures/files/library.h"
 #include "tools/footlight/commands/fixtures_command.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

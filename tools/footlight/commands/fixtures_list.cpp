@@ -10,7 +10,7 @@
 #include "tools/footlight/commands/fixtures_command.h"
 #include "tools/footlight/monitor/terminal.h"
 #include "tools/footlight/progress.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

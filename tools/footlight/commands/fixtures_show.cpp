@@ -16,7 +16,7 @@
 #include "fixtures/model/params.h"
 #include "fixtures/simulate/machines.h"
 #include "tools/footlight/commands/fixtures_command.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

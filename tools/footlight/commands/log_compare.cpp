@@ -9,7 +9,7 @@
 #include "tools/footlight/duration.h"
 #include "tools/footlight/monitor/level_moment.h"
 #include "tools/footlight/monitor/slot_meanings.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

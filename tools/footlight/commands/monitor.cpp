@@ -21,7 +21,7 @@
 #include "tools/footlight/monitor/slot_meanings.h"
 #include "tools/footlight/monitor/terminal.h"
 #include "tools/footlight/status/status_pages.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

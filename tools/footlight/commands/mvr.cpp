@@ -21,7 +21,7 @@
 #include "tools/footlight/mvr/mvr_lines.h"
 #include "tools/footlight/mvr/received_file.h"
 #include "tools/footlight/mvr/shared_file.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {

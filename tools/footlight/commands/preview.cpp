@@ -27,7 +27,7 @@ void add(Arguments& arguments) {
   auto edges = std::make_shared<std::string>();
   auto shadows = std::make_shared<std::string>("on");
   auto penumbra = std::make_shared<std::string>("1");
-  auto bounce = std::make_shared<std::string>("on");
+  auto reflections = std::make_shared<ReflectionWords>();
   auto camera_words = std::make_shared<CameraWords>();
   auto error = std::make_shared<std::string>();
   auto ms = std::make_shared<std::string>();
@@ -85,7 +85,7 @@ void add(Arguments& arguments) {
                    "default: 16 on a GPU, 4 on a CPU");
   arguments.option("--shadows", *shadows, "WORD", kShadowsHelp);
   arguments.option("--penumbra", *penumbra, "POINTS", kPenumbraHelp);
-  arguments.option("--bounce", *bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
+  add_reflection_arguments(arguments, *reflections);
   add_camera_arguments(arguments, *camera_words);
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0: stay open");
@@ -102,7 +102,7 @@ void add(Arguments& arguments) {
     FL_TRY(stage_compare_of(options->compare_stage));
     FL_TRY(take_shadows(*shadows, options->display));
     FL_TRY(take_penumbra(*penumbra, options->display));
-    FL_ASSIGN(options->bounce, parse_bounce(*bounce));
+    FL_TRY(take_reflections(*reflections, options->bounce, options->probes));
     FL_TRY(take_camera_words(*camera_words, options->display));
     FL_TRY(parse_f_stop(camera_words->f_stop));
     options->camera_words = *camera_words;

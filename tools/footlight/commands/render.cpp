@@ -25,7 +25,7 @@
 #include "tools/footlight/pictures/video_file.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/progress.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
@@ -55,7 +55,7 @@ struct Options {
   std::string edges;
   std::string shadows = "on";
   std::string penumbra = "1";
-  std::string bounce = "on";
+  ReflectionWords reflections;
   CameraWords camera_words;
   int supersample = 1;
   std::string flashes = "warn";
@@ -448,7 +448,7 @@ Result<int> render_pictures(const Options& options) {
   }
   FL_TRY(take_shadows(options.shadows, settings));
   FL_TRY(take_penumbra(options.penumbra, settings));
-  FL_ASSIGN(settings.bounce, parse_bounce(options.bounce));
+  FL_TRY(take_reflections(options.reflections, settings.bounce, settings.probes));
   FL_TRY(take_camera_words(options.camera_words, settings));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
   settings.gate_builds = FL_GATES_MAX;  // a picture may wait for all of them
@@ -559,7 +559,7 @@ void add(Arguments& arguments) {
                    "default: 16 on a GPU, 4 on a CPU");
   arguments.option("--shadows", options->shadows, "WORD", kShadowsHelp);
   arguments.option("--penumbra", options->penumbra, "POINTS", kPenumbraHelp);
-  arguments.option("--bounce", options->bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
+  add_reflection_arguments(arguments, options->reflections);
   add_camera_arguments(arguments, options->camera_words);
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");
   arguments.option(

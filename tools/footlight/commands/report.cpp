@@ -18,7 +18,7 @@
 #include "tools/footlight/monitor/terminal.h"
 #include "tools/footlight/report/report_parts.h"
 #include "tools/footlight/status/json_lines.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

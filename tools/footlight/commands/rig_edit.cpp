@@ -15,7 +15,7 @@
 #include "sim/file_kind.h"
 #include "tools/footlight/commands/rig_command.h"
 #include "tools/footlight/edit/rig_file.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

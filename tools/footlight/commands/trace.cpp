@@ -16,7 +16,7 @@
 #include "tools/footlight/pictures/scene_files.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/hand_levels.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 #include "tools/footlight/stop_signal.h"
 #include "tools/footlight/trace/head_trace.h"
 

@@ -21,7 +21,7 @@
 #include "sim/system_clock.h"
 #include "tools/footlight/mvr/mvr_lines.h"
 #include "tools/footlight/mvr/shared_file.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

@@ -4,7 +4,7 @@
 #include "fixtures/model/lamp.h"
 #include "fixtures/model/smoothing.h"
 #include "tools/footlight/pictures/scene_files.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 

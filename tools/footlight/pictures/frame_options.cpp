@@ -9,7 +9,7 @@
 #include "fixtures/files/toml/scenery_toml.h"
 #include "render/display.h"
 #include "render/quality.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {
@@ -77,7 +77,17 @@ void warn_of_hard_edges(const render::FrameSettings& frame) {
              frame.penumbra);
 }
 
-Result<bool> parse_bounce(const std::string& text) { return parse_switch("--bounce", text); }
+void add_reflection_arguments(Arguments& arguments, ReflectionWords& words) {
+  arguments.option("--bounce", words.bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
+  arguments.option("--reflections", words.reflections, "WORD",
+                   "on; off: shiny surfaces show lamps alone, and mirror nothing else of the stage [on]");
+}
+
+Status take_reflections(const ReflectionWords& words, bool& bounce, bool& probes) {
+  FL_ASSIGN(bounce, parse_switch("--bounce", words.bounce));
+  FL_ASSIGN(probes, parse_switch("--reflections", words.reflections));
+  return {};
+}
 
 Result<double> parse_glare(const std::string& text) {
   if (text == "off") return 0.0;

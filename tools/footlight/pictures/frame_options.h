@@ -28,8 +28,13 @@ void warn_of_hard_edges(const render::FrameSettings& frame);
 inline constexpr const char* kPenumbraHelp =
     "points of each lens from which shadows are cast: 4 or 7 give soft edges in about 4 or 7 times the time of "
     "shadows; 1: hard edges [1]";
-// FrameSettings::bounce of "on" or "off".
-[[nodiscard]] Result<bool> parse_bounce(const std::string& text);
+// FrameSettings::bounce and probes, "on" or "off".
+struct ReflectionWords {
+  std::string bounce = "on";
+  std::string reflections = "on";
+};
+void add_reflection_arguments(Arguments& arguments, ReflectionWords& words);
+[[nodiscard]] Status take_reflections(const ReflectionWords& words, bool& bounce, bool& probes);
 // FrameSettings::glare of "off", "1%" or "0.01".
 [[nodiscard]] Result<double> parse_glare(const std::string& text);
 

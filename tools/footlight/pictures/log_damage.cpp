@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "sim/core/counted.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 

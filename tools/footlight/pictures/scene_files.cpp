@@ -9,7 +9,7 @@
 #include "sim/core/counted.h"
 #include "tools/demo_show/demo_assets.h"
 #include "tools/footlight/sound/sound_log.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 

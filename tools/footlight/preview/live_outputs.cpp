@@ -8,6 +8,7 @@
 #include "drivers/wait/epoll_waiter.h"
 #include "sim/core/no_signals.h"
 #include "tools/footlight/bridge/open_ports.h"
+#include "tools/footlight/status/printable.h"
 #include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {

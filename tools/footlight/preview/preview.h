@@ -46,6 +46,7 @@ struct PreviewOptions {
   double body_error_px = 0.5;                 // the same
   std::optional<std::uint32_t> edge_samples;  // default: render::suited_edge_samples()
   bool bounce = true;
+  bool probes = true;
   render::FrameSettings display;  // of which glare, white balance, tone curve, automatic exposure, and shadows
   CameraWords camera_words;  // of which depth of field, that of the first camera where they name none
   FlashMode flashes = FlashMode::kWarn;

@@ -14,7 +14,7 @@
 #include "tools/footlight/preview/preview_window.h"
 #include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/words.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {
@@ -90,7 +90,7 @@ Status Preview::begin_frame(const PixelRect& where) {
   const TimeNs until_ns = player_ ? player_->now_ns() : 0;
   const NoSignals no_signals;
   making_ = std::async(std::launch::async,
-                       [this, scene = making_scene_, settings = frame_settings(where, false), until_ns,
+                       [this, scene = making_scene_, settings = table_settings(where), until_ns,
                         logs = player_ != nullptr]() -> Result<std::unique_ptr<Made>> {
                          auto made = std::make_unique<Made>();
                          FL_ASSIGN(made->frame, render::Frame::create(*device_, scene->rig, scene->compiled, settings));
@@ -146,6 +146,7 @@ Status Preview::take_scene(const PreviewScene& before) {
   facts_.fixtures.clear();
   for (const auto& fixture : framed_->rig.fixtures) facts_.fixtures.push_back(fixture.name);
   facts_.can_haze = framed_->compiled.needs.haze;
+  facts_.can_probes = framed_->compiled.needs.probes && options_.probes && options_.bounce;
   if (const auto chosen = static_cast<std::size_t>(std::max(controls_.hand_fixture, 0)); controls_.hand_fixture >= 0) {
     const std::vector<int> moves = fixture_moves(before, *framed_);
     controls_.hand_fixture = chosen < moves.size() ? moves[chosen] : -1;

@@ -136,6 +136,7 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   show_cameras();
   for (const auto& fixture : framed_->rig.fixtures) facts_.fixtures.push_back(fixture.name);
   facts_.can_haze = framed_->compiled.needs.haze;
+  facts_.can_probes = framed_->compiled.needs.probes && options_.probes && options_.bounce;
   return {};
 }
 

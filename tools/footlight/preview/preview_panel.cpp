@@ -207,6 +207,11 @@ void draw_view(const PreviewFacts& facts, PreviewControls& controls) {
   ImGui::SliderFloat("##glare", &controls.glare_percent, 0, 20, tr_printf("glare %.1f %%"),
                      ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
   draw_haze(facts, controls);
+  if (facts.can_probes) {
+    ImGui::Checkbox(tr_label("reflections"), &controls.probes);
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("%s", tr("What shiny floors, trusses and metals mirror of the stage, by reflection probes."));
+  }
   draw_flashes(facts, controls);
   if (facts.machines > 0) {
     row(tr("haze of the room"), fmt::format("{:.4f} /m", facts.room_haze_per_m));

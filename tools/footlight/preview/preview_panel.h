@@ -25,6 +25,7 @@ struct PreviewFacts {
   bool can_edit = false;  // cameras can be stored
   std::vector<std::string> fixtures;
   bool can_haze = false;       // the rig has haze to turn off
+  bool can_probes = false;     // and reflection probes
   std::size_t machines = 0;    // haze, fog and fan machines; if there are any, the current haze, 1/m:
   double room_haze_per_m = 0;  // of [haze]
   double machine_haze_per_m = 0;
@@ -81,6 +82,7 @@ struct PreviewControls {
   int nodes = 3;
   int divisor = 1;  // the picture is computed with 1/divisor of the window's pixels a side
   bool haze = true;
+  bool probes = true;
   Transport transport;  // of a log
   int hand_fixture = -1;  // -1: all
 

@@ -6,7 +6,7 @@
 #include "fixtures/displays/pixel_slots.h"
 #include "tools/footlight/preview/preview_window.h"
 #include "tools/footlight/preview/ui/known_texts.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

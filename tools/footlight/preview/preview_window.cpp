@@ -22,12 +22,13 @@
 #include "tools/footlight/preview/start_window.h"
 #include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/words.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {
 
 constexpr DurationNs kSettleNs = 200 * kNsPerMs;   // a new size is taken when the window has kept it for this long
+constexpr std::uint32_t kProbeTexels = 1024;       // of each reflection probe a picture: all of them in four
 constexpr DurationNs kFactsNs = 100 * kNsPerMs;    // from one moment that the side panel shows to the next
 constexpr DurationNs kLossPauseNs = 60 * kNsPerS;  // devices that are lost sooner one after the other are counted
 constexpr int kLossesMax = 3;
@@ -219,6 +220,7 @@ bool Preview::fits_controls(const PixelRect& where) {
   const bool settled =
       (last_ns_ - wanted_since_ns_ >= kSettleNs || sized_views_ != views()) && !window_->minimised();
   return drawn == knobs && wanted.edge_samples == settings.edge_samples && wanted.bounce == settings.bounce &&
+         wanted.probes == settings.probes &&
          wanted.shadows == settings.shadows && controls_.haze == settings.haze && !other_display(controls_, settings) &&
          !(other_size && settled);
 }
@@ -414,11 +416,19 @@ render::FrameSettings Preview::frame_settings(const PixelRect& where, bool rough
   settings.shadow_map_px = options_.display.shadow_map_px;
   settings.penumbra = options_.display.penumbra;
   settings.bounce = options_.bounce;
+  settings.probes = options_.probes && controls_.probes;
+  settings.probe_texels = kProbeTexels;
   settings.f_stop = lens_.f_stop;
   settings.focus_m = lens_.focus_m;
   take_display(controls_, settings);
   settings.haze = controls_.haze;
   return rough ? render::rough_settings(settings, framed_->compiled.beams_max) : settings;
+}
+
+render::FrameSettings Preview::table_settings(const PixelRect& where) const {
+  render::FrameSettings settings = frame_settings(where, false);
+  settings.probes = options_.probes;
+  return settings;
 }
 
 // A frame of these settings. The states of the fixtures move from the old frame to the new one.
@@ -431,7 +441,7 @@ Status Preview::rebuild(const PixelRect& where) {
   if (frame_) {
     FL_TRY(frame_->change(settings));
   } else {
-    FL_ASSIGN(frame_, render::Frame::create(*device_, framed_->rig, framed_->compiled, frame_settings(where, false),
+    FL_ASSIGN(frame_, render::Frame::create(*device_, framed_->rig, framed_->compiled, table_settings(where),
                                             render::product_passes(), &settings));
     videos_.show_all_again();
     print_warnings(frame_->resources().rig.diagnostics);

@@ -120,6 +120,8 @@ class Preview {
   Status turn_stage(const PixelRect& where);
   [[nodiscard]] bool fits_controls(const PixelRect& where);
   [[nodiscard]] render::FrameSettings frame_settings(const PixelRect& where, bool rough) const;
+  // Those that a new frame has tables for.
+  [[nodiscard]] render::FrameSettings table_settings(const PixelRect& where) const;
   Status rebuild(const PixelRect& where);
   Status update_error();
   void follow_first_picture(const PixelRect& where);

@@ -15,7 +15,7 @@
 #include "tools/footlight/preview/ui/known_texts.h"
 #include "tools/footlight/preview/ui/start_screen.h"
 #include "tools/footlight/preview/window.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {

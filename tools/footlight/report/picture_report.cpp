@@ -356,6 +356,7 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
   whole.shadows = options.shadows;
   whole.shadow_map_px = options.shadow_map_px;
   whole.penumbra = options.penumbra;
+  whole.bounce = whole.probes = options.reflections;
   FL_ASSIGN(auto frame, make_frame(device, scene, whole));
   std::vector<PassTimes> pass_ms;
   std::vector<PassTime> first;

@@ -42,6 +42,7 @@ struct PictureReportOptions {
   std::uint32_t shadow_map_px = render::kShadowsSuited;
   // FrameSettings::penumbra of all rows. Above 1 the judge's lenses shine from kJudgeLens places each.
   std::uint32_t penumbra = 1;
+  bool reflections = false;  // FrameSettings::bounce and probes, of the whole frame
   std::optional<render::Knobs> chosen;                       // a row of its own, "chosen", the first one
   bool judge = true;                                         // false: only times are measured
   bool rivals = false;                                       // rows of the methods of render/rivals

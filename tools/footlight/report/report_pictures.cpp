@@ -30,7 +30,7 @@
 #include "tools/footlight/report/report_fleet.h"
 #include "tools/footlight/report/report_parts.h"
 #include "tools/footlight/report/report_sweep.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {
@@ -53,6 +53,7 @@ struct PictureArguments {
   double body_error_px = render::FrameSettings{}.body_error_px;
   std::string shadow_words = "on";
   std::string penumbra = "1";
+  bool reflections = false;
   render::FrameSettings shadows;  // of which the shadows of the whole frame
   std::string error;  // "0.1%"
   std::string ms;
@@ -312,6 +313,7 @@ PictureReportOptions options_of(const PictureArguments& arguments, const Picture
   pictures.shadows = arguments.shadows.shadows;
   pictures.shadow_map_px = arguments.shadows.shadow_map_px;
   pictures.penumbra = arguments.shadows.penumbra;
+  pictures.reflections = arguments.reflections;
   pictures.judge = !arguments.no_judge;
   pictures.rivals = arguments.rivals;
   pictures.quick = options.quick;
@@ -514,6 +516,8 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.option("--error", chosen->error, "SHARE", "choose the knobs for this error, as in 0.1%, and measure them");
   arguments.option("--ms", chosen->ms, "MS", "choose the knobs for this GPU time of a frame, and measure them");
   arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this text");
+  arguments.flag("--reflections", chosen->reflections,
+                 "the whole frame has reflected light and what shiny surfaces mirror; their errors are not measured");
   arguments.flag("--no-judge", chosen->no_judge, "measure times only, no errors");
   arguments.flag("--rivals", chosen->rivals,
                  "also rows of other methods: marches along the whole ray, equi-angular samples, froxels, cone meshes, "

@@ -8,7 +8,7 @@
 #include "fixtures/files/toml/sound_toml.h"
 #include "sim/core/endpoint.h"
 #include "sim/file_kind.h"
-#include "tools/footlight/status/status_text.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {

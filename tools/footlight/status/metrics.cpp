@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/footlight/status/printable.h"
 #include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {

@@ -19,13 +19,4 @@ namespace footlight::tools {
 [[nodiscard]] std::string show_universes(std::span<const Universe> universes);
 [[nodiscard]] const char* name_of(PortState state);
 
-// Makes text printable: valid UTF-8, with control characters replaced by U+FFFD. Names come from the network; an escape
-// sequence in one must not reach a terminal.
-[[nodiscard]] std::string printable_utf8(std::string_view text);
-// The same for one line. Of a line beyond 1,900 bytes it keeps the beginning and the end, with "[...]" between. A file
-// may contain names of 100 kB.
-[[nodiscard]] std::string printable_line(std::string_view text);
-// The same for several lines, with their line ends.
-[[nodiscard]] std::string printable_lines(std::string_view text);
-
 }  // namespace footlight::tools
