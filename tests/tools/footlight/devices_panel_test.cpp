@@ -120,10 +120,21 @@ TEST_CASE("inputs are listed with state, rate and age, and what is wrong with th
     INFO(part);
     CHECK(has(words, part));
   }
+  CHECK_FALSE(has(words, "silent"));
+  // A console that has gone quiet is not working, though its port is.
+  status.ports[0].universes[0].rate_hz = 0;
+  status.universes[0].newest.stamp_ns = 10 * kNsPerS - 2'499 * kNsPerMs;
+  CHECK_FALSE(has(ui.words(), "silent"));
+  status.universes[0].newest.stamp_ns = 10 * kNsPerS - 2'500 * kNsPerMs;
+  CHECK(has(ui.words(), "silent"));
+  status.ports[0].name = "by hand";
+  CHECK_FALSE(has(ui.words(), "silent"));
+  status.ports[0].name = "sacn:1-2";
   status.ports[0].frames = 0;
   status.ports[0].universes[0].frames = status.ports[0].universes[1].frames = 0;
   words = ui.words();
   CHECK(has(words, "no frames yet"));
+  CHECK_FALSE(has(words, "silent"));
   CHECK(has(words, "footlight doctor"));
 }
 

@@ -433,7 +433,7 @@ TEST_CASE("a file that others made or changed is not replaced") {
   RigFile show = opened_file(write_show(folder));
   folder.write("show.toml", kCommentedRig);
   CHECK(refused(show) ==
-        folder.file("show.toml") + ": exists already; open it instead, or move it away, then save again");
+        folder.file("show.toml") + ": exists already and was not opened here; save under another name, or move it away, then save again");
   CHECK(read(folder.file("show.toml")) == kCommentedRig);
 }
 

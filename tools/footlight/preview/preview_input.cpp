@@ -369,7 +369,14 @@ void Preview::call(const UiCall& call) {
 
 void Preview::escape() {
   if (busy_mark_.can_cancel() && !ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) return cancel_busy();
-  closing_ = !close_topmost(panels_, *desk_) || closing_;
+  if (close_topmost(panels_, *desk_)) return;
+  if (outputs_view_.live_count() == 0) {
+    closing_ = true;
+  } else {
+    tell(tr("Esc does not close the window while an output is live: disarm it first (F6), or close the window by its "
+            "button"),
+         false);
+  }
 }
 
 // Lines on the floor, and what is measured.

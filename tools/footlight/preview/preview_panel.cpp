@@ -10,6 +10,7 @@
 
 #include <imgui/imgui.h>
 
+#include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/report_view.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/preview/ui/words.h"
@@ -289,11 +290,13 @@ void draw_live(const PreviewFacts& facts, const LiveLevels& live) {
   heading(tr("Live"));
   for (const PortStatus& port : facts.status.ports) {
     if (port.is_sink) continue;  // the window itself
-    ui_text(colour_of(port.state), port.name);
-    const std::string figure =
-        port.state == PortState::kWorking ? fmt::format("{:.0f} /s", port.rate_hz) : word_of(port.state);
+    const bool silent = is_silent(port, facts.status);
+    ui_text(silent ? kUiRed : colour_of(port.state), port.name);
+    const std::string figure = silent                              ? tr("silent")
+                               : port.state == PortState::kWorking ? fmt::format("{:.0f} /s", port.rate_hz)
+                                                                   : word_of(port.state);
     ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(figure.c_str()).x);
-    ui_text(figure);
+    ui_text(silent ? kUiRed : kUiText, figure);
     if (!port.trouble.empty()) {
       ImGui::PushTextWrapPos(0);
       ui_text(kUiRed, port.trouble);

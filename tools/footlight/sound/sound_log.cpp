@@ -139,6 +139,12 @@ Result<std::unique_ptr<LogInput>> open_level_log(const std::string& path, const 
 Status check_level_log(const std::string& path) {
   if (path.starts_with(kScheme)) return {};
   FL_TRY(refuse_pipe_input(path));
+  Status log;
+  if (!is_sound_log(path)) {
+    const Result<LogFormat> found = detect_log_format(path);
+    if (found) return {};
+    log = tl::unexpected<Error>(found.error());
+  }
   const std::string format = fixtures::rig_format(path);
   std::string what;
   if (format == "mvr" || format == "qxw" || format == "vrsl") {
@@ -152,10 +158,7 @@ Status check_level_log(const std::string& path) {
       what = "rig";
     }
   }
-  if (what.empty()) {
-    if (!is_sound_log(path)) FL_TRY(detect_log_format(path));
-    return {};
-  }
+  if (what.empty()) return log;
   return fail(ErrorCode::kBadInput,
               "{}: is a {}; expected a log: .dmxlog, an OLA Show, a capture or a sound map. A rig comes first, as in "
               "'footlight preview RIG --log LOG'",

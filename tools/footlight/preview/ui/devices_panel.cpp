@@ -15,6 +15,7 @@
 #include "sim/pattern.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/preview/ui/draw_output_questions.h"
+#include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/preview/ui/words.h"
@@ -268,7 +269,8 @@ class DevicesPanel final : public Panel {
 
   static void draw_input(const PortStatus& port, const UiInput& input, const LineColumns& line) {
     cell(kUiText, port.name);
-    cell(colour_of(port.state), tr(name_of(port.state)));
+    const bool silent = is_silent(port, *input.status);
+    cell(silent ? kUiRed : colour_of(port.state), silent ? tr("silent") : tr(name_of(port.state)));
     std::vector<Universe> universes;
     TimeNs newest_ns = 0;
     for (const PortUniverseStatus& one : port.universes) {
@@ -286,7 +288,7 @@ class DevicesPanel final : public Panel {
     }
     rate_cells(port);
     line_cells(&port, line);
-    cell(newest_ns == 0 ? kUiDim : kUiText,
+    cell(newest_ns == 0 ? kUiDim : silent ? kUiRed : kUiText,
          newest_ns == 0 ? tr("none yet") : age_text(input.status->stamp_ns - newest_ns));
   }
 

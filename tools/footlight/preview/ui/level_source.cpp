@@ -70,6 +70,19 @@ LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::si
   return source;
 }
 
+bool is_silent(const PortStatus& port, const PumpStatus& status) {
+  // What is set by hand is sent when it changes.
+  if (port.is_sink || port.state != PortState::kWorking || port.name.starts_with("by hand")) return false;
+  TimeNs newest_ns = 0;
+  for (const PortUniverseStatus& one : port.universes) {
+    if (one.rate_hz > 0) return false;
+    for (const UniverseStatus& universe : status.universes) {
+      if (one.frames > 0 && universe.universe == one.universe) newest_ns = std::max(newest_ns, universe.newest.stamp_ns);
+    }
+  }
+  return newest_ns > 0 && status.stamp_ns - newest_ns >= kSilentNs;
+}
+
 LevelSource source_of_channel(UiDesk& desk, const UiInput& input, ChannelKey key) {
   const auto place = desk.index().place(key);
   if (!place) return {SourceKind::kMadeUp, tr("default"), tr("it has no address: the default of its file")};

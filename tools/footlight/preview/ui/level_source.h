@@ -32,6 +32,8 @@ struct LevelSource {
 // only those that have set it.
 [[nodiscard]] LevelSource source_of_universe(const UiDesk& desk, const UiInput& input, std::size_t universe,
                                              std::optional<std::size_t> slot = std::nullopt);
+// Whether an input that sends all the time has sent nothing for kSilentNs or longer, though its port works.
+[[nodiscard]] bool is_silent(const PortStatus& port, const PumpStatus& status);
 // Of a channel.
 [[nodiscard]] LevelSource source_of_channel(UiDesk& desk, const UiInput& input, ChannelKey key);
 
