@@ -7,7 +7,8 @@
 // Parallax-corrected Cubemaps"). Levels are those of the split sum (Karis 2013, "Real Shading in Unreal Engine 4"): the
 // light of a map's level times the share of light that the surface reflects. docs/numerics.md#reflection-probes
 
-// Alpha of the levels: 0 is what rays saw, the next one is this, and each has twice the alpha of the one before.
+// Alpha of the levels: 0 is what rays saw, the next one is this, and each has twice the alpha of the one before, the last
+// one 1.
 FL_CONST float kProbeAlphaFirst = 0.08f;
 FL_CONST float kProbeAlphaLeast = 0.02f;  // below it only level 0 counts: its texels are wider than the highlight
 
@@ -27,6 +28,7 @@ FL_FN Real probe_level(Real alpha) {
   Real first = log(Real(kProbeAlphaFirst) / Real(kProbeAlphaLeast));
   Real past = log(max(alpha, Real(1e-6)) / Real(kProbeAlphaFirst));
   Real level = past < Real(0) ? Real(1) + past / first : Real(1) + past * Real(1.4426950408889634);
+  if (level > Real(4)) level = Real(4) + (level - Real(4)) / Real(0.6438561897747247);  // log2(1 / 0.64)
   return min(max(level, Real(0)), Real(5));
 }
 

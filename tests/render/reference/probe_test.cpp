@@ -132,6 +132,13 @@ TEST_CASE("the map of a probe has each direction once, and goes on over its edge
 }
 
 // A level takes light by its weights as rays from a facet do that is seen straight from above.
+TEST_CASE("a surface that is as rough as a level of a probe reads that level alone, also the last one") {
+  for (uint level = 1; level <= 5; ++level) {
+    CHECK(f64::probe_level(f64::probe_level_alpha(level)) == doctest::Approx(level).epsilon(1e-6));
+  }
+  CHECK(f64::probe_level(0.8) == doctest::Approx(4.5).epsilon(1e-6));  // half of the way in the logarithm
+}
+
 TEST_CASE("a level of a probe takes the light that a surface of its roughness mirrors, seen from above") {
   const dvec3 normal = glm::normalize(dvec3(0.3, -0.5, 0.6));
   const auto light = [](const dvec3& way) { return 1 + way.x + 2 * way.y * way.y + std::exp(3 * way.z); };

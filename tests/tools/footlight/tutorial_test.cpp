@@ -246,7 +246,7 @@ void arm_it(Desk& desk) {
   desk.panel("F6");
   desk.click({446, 325});  // add a made-up interface
   desk.settle();
-  desk.click({632, 288});  // arm ...
+  desk.click({561, 287});  // arm ...
   desk.settle();
   desk.wait("nothing sent before the tick", [](const Json& line) { return line["outputs_live"] == 0; });
   desk.click({311, 309});  // the tick

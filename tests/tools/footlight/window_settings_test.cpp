@@ -74,6 +74,7 @@ TEST_CASE("lost edits are recovered in a window of the same rig, log and inputs,
   before.files.log = "monday.dmxlog";
   before.ins = {"osc:9000"};
   before.camera = "stalls";
+  before.camera_words.focus_m = 5;
   before.hold_to_live = true;
   const PreviewOptions again = options_for(before, {"", "", true});
   CHECK(again.recover);
@@ -81,11 +82,13 @@ TEST_CASE("lost edits are recovered in a window of the same rig, log and inputs,
   CHECK(again.files.log == "monday.dmxlog");
   CHECK(again.ins == before.ins);
   CHECK(again.camera == "stalls");
+  CHECK(again.camera_words.focus_m == 5);
   const PreviewOptions other = options_for(before, {"tour.mvr", ""});
   CHECK(!other.recover);
   CHECK(other.files.rig == "tour.mvr");
   CHECK(other.files.log.empty());
   CHECK(other.camera.empty());
+  CHECK(!other.camera_words.focus_m);  // a distance in the rig from before
   CHECK(other.hold_to_live);
   before.ins.push_back("sacn:1");
   const PreviewOptions both = options_for(before, {"tour.mvr", "tour.dmxlog"});

@@ -20,11 +20,19 @@ Function* function_of(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_DEFAULT, name));
 }
 
+// GLFW may have Xlib for itself alone.
+template <class Function>
+Function* x_function(const char* name) {
+  if (auto* const found = function_of<Function>(name)) return found;
+  void* const xlib = ::dlopen("libX11.so.6", RTLD_LAZY | RTLD_NOLOAD);  // stays
+  return xlib != nullptr ? reinterpret_cast<Function*>(::dlsym(xlib, name)) : nullptr;
+}
+
 }  // namespace
 
 std::optional<bool> key_is_down(int scancode) {
   static auto* const display = function_of<XDisplay*()>("glfwGetX11Display");  // a GLFW for Wayland alone has none
-  static auto* const query = function_of<int(XDisplay*, char*)>("XQueryKeymap");
+  static auto* const query = x_function<int(XDisplay*, char*)>("XQueryKeymap");
   if (scancode < 0 || scancode >= kKeycodes || display == nullptr || query == nullptr || display_is_lost()) return {};
   XDisplay* const connection = display();
   if (connection == nullptr) return {};

@@ -18,6 +18,7 @@ PreviewOptions options_for(PreviewOptions options, const NextWindow& next) {
     options.files.demo = false;
     options.files.log.clear();
     options.camera.clear();
+    options.camera_words.focus_m.reset();  // a distance in the rig from before
     options.select.clear();
   } else if (!next.saved_as.empty()) {
     options.files.rig = next.saved_as;

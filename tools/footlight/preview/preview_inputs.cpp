@@ -118,10 +118,13 @@ Status Preview::move_input(const InputsView::Move& move) {
   FL_ASSIGN(const Endpoint endpoint, parse_port(move.input));
   const auto moved = moved_endpoint(endpoint, move.to);
   if (!moved || *moved == move.input) return {};
+  if (std::find(ins_.begin(), ins_.end(), *moved) != ins_.end()) {
+    return fail(ErrorCode::kBadInput, "{}: it is in the list already", *moved);
+  }
   if (const std::string why_not = why_no_input(); !why_not.empty()) return fail(ErrorCode::kBadInput, "{}", why_not);
   *at = *moved;
-  tell(trf("{} drives the rig", *moved));
   open_inputs_again(*framed_);
+  if (live_) tell(trf("{} drives the rig", *moved));  // else it has said why not
   return {};
 }
 

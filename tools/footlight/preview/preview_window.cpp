@@ -553,7 +553,8 @@ Result<int> run_preview(const PreviewOptions& options) {
     if (needs_start(now)) {
       FL_ASSIGN(StartEnd end, run_start_window(now));
       if (!end.options) return worst;
-      before = now;  // and back to it, if the rig cannot be opened
+      before = now;  // and back to it, with the log that was chosen, if the rig cannot be opened
+      before->files.log = end.options->files.log;
       now = std::move(*end.options);
       if (now.seconds > 0) now.seconds = std::max(now.seconds - end.seconds, kSecondsLeast);
       continue;
