@@ -7,8 +7,8 @@
 // Parallax-corrected Cubemaps"). Levels are those of the split sum (Karis 2013, "Real Shading in Unreal Engine 4"): the
 // light of a map's level times the share of light that the surface reflects. docs/numerics.md#reflection-probes
 
-// Alpha of the levels: 0 is what rays saw, the next one is this, and each has twice the alpha of the one before, the last
-// one 1.
+// Alpha of the levels: 0 is what rays saw, the next one is this, and each has twice the alpha of the one before, the
+// last one 1.
 FL_CONST float kProbeAlphaFirst = 0.08f;
 FL_CONST float kProbeAlphaLeast = 0.02f;  // below it only level 0 counts: its texels are wider than the highlight
 

@@ -96,7 +96,8 @@ TEST_CASE("a rig is not saved as a name without a beginning, a folder or a pipe,
   RigFile show = opened_file(write_show(folder));
   fs::create_directories(folder.file("old.toml"));
   REQUIRE(mkfifo(folder.file("pipe.toml").c_str(), 0600) == 0);
-  for (const auto& [name, said] : {std::pair{".toml", "no name before its ending"}, {"old.toml", "is a folder"},
+  for (const auto& [name, said] : {std::pair{".toml", "no name before its ending"},
+                                   {"old.toml", "is a folder"},
                                    {"pipe.toml", "is a pipe or a device"}}) {
     CAPTURE(name);
     const auto report = show.save_as(folder.file(name), true);
@@ -433,7 +434,8 @@ TEST_CASE("a file that others made or changed is not replaced") {
   RigFile show = opened_file(write_show(folder));
   folder.write("show.toml", kCommentedRig);
   CHECK(refused(show) ==
-        folder.file("show.toml") + ": exists already and was not opened here; save under another name, or move it away, then save again");
+        folder.file("show.toml") +
+            ": exists already and was not opened here; save under another name, or move it away, then save again");
   CHECK(read(folder.file("show.toml")) == kCommentedRig);
 }
 

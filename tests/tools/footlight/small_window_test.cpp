@@ -184,7 +184,8 @@ TEST_CASE("each panel opens within a window of 640 x 360 and one of 7680 x 4320,
       CHECK(place.Max.y <= high);
       CHECK(place.GetWidth() <= info.place.width * scale + 1);
       CHECK(place.GetWidth() >= std::min(info.place.width * scale, wide - 32 * scale) - 1);
-      CHECK(place.GetHeight() >= std::min({info.place.height * scale, info.place.height_share * high, 150 * scale}) - 1);
+      CHECK(place.GetHeight() >=
+            std::min({info.place.height * scale, info.place.height_share * high, 150 * scale}) - 1);
       open.set_open(i, false, desk);
       ui.frame();
     }

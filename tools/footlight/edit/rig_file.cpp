@@ -195,7 +195,9 @@ Result<SaveReport> RigFile::save() {
   }
   const bool there = fs::exists(target_, trouble);
   if (there && !known_) {
-    return fail(ErrorCode::kBadInput, "{}: exists already and was not opened here; save under another name, or move it away, then save again", target_);
+    return fail(ErrorCode::kBadInput,
+                "{}: exists already and was not opened here; save under another name, or move it away, then save again",
+                target_);
   }
   if (there && mark_of_file(target_) != known_) {
     return fail(ErrorCode::kBadInput,

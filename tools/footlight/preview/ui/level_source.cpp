@@ -77,7 +77,8 @@ bool is_silent(const PortStatus& port, const PumpStatus& status) {
   for (const PortUniverseStatus& one : port.universes) {
     if (one.rate_hz > 0) return false;
     for (const UniverseStatus& universe : status.universes) {
-      if (one.frames > 0 && universe.universe == one.universe) newest_ns = std::max(newest_ns, universe.newest.stamp_ns);
+      if (one.frames > 0 && universe.universe == one.universe)
+        newest_ns = std::max(newest_ns, universe.newest.stamp_ns);
     }
   }
   return newest_ns > 0 && status.stamp_ns - newest_ns >= kSilentNs;
