@@ -42,6 +42,15 @@ struct PassContext {
          context.constants.end();
 }
 
+// What the light of beams needs, for passes that add it up at places that are no pixels.
+[[nodiscard]] inline std::vector<vk::SpecConstant> beam_light_constants(const fixtures::Needs& needs) {
+  return {{FL_SPEC_GOBO, needs.gobo},         {FL_SPEC_EXTINCTION, needs.extinction},
+          {FL_SPEC_PROFILE, needs.profile},   {FL_SPEC_BLADES, needs.blades},
+          {FL_SPEC_FOCUS, needs.focus},       {FL_SPEC_ANIMATION, needs.animation},
+          {FL_SPEC_MEASURED, needs.measured}, {FL_SPEC_RECTANGLE, needs.rectangle},
+          {FL_SPEC_WIDE, needs.wide},         {FL_SPEC_IRIS, needs.iris}};
+}
+
 // The constants of a pass that reads the table of haze. With plumes that has slopes, and the pass a constant more.
 [[nodiscard]] inline std::vector<vk::SpecConstant> with_plumes(bool plumes, std::vector<vk::SpecConstant> constants) {
   if (plumes) constants.push_back({FL_SPEC_PLUMES, 1});

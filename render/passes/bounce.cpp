@@ -84,13 +84,7 @@ class BouncePass final : public Pass {
 const PassEntry kBouncePass{
     "bounce",
     has_bounce,
-    [](const fixtures::Needs& needs, const FrameSettings&) {
-      return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},         {FL_SPEC_EXTINCTION, needs.extinction},
-                                           {FL_SPEC_PROFILE, needs.profile},   {FL_SPEC_BLADES, needs.blades},
-                                           {FL_SPEC_FOCUS, needs.focus},       {FL_SPEC_ANIMATION, needs.animation},
-                                           {FL_SPEC_MEASURED, needs.measured}, {FL_SPEC_RECTANGLE, needs.rectangle},
-                                           {FL_SPEC_WIDE, needs.wide},         {FL_SPEC_IRIS, needs.iris}};
-    },
+    [](const fixtures::Needs& needs, const FrameSettings&) { return beam_light_constants(needs); },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       FL_ASSIGN(BoundPipeline forms, BoundPipeline::compute(context, kBounceformsComp, {}));
       FL_ASSIGN(BoundPipeline rays, BoundPipeline::compute(context, kBounceraysComp, context.constants));

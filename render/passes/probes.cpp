@@ -47,20 +47,12 @@ const PassEntry kProbesPass{
     "probes",
     has_probes,
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},
-                                           {FL_SPEC_EXTINCTION, needs.extinction},
-                                           {FL_SPEC_PROFILE, needs.profile},
-                                           {FL_SPEC_BLADES, needs.blades},
-                                           {FL_SPEC_FOCUS, needs.focus},
-                                           {FL_SPEC_ANIMATION, needs.animation},
-                                           {FL_SPEC_MEASURED, needs.measured},
-                                           {FL_SPEC_RECTANGLE, needs.rectangle},
-                                           {FL_SPEC_WIDE, needs.wide},
-                                           {FL_SPEC_IRIS, needs.iris},
-                                           {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
-                                           {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
-                                           {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
-                                           {FL_SPEC_AIR, has_air(needs, settings)}};
+      std::vector<vk::SpecConstant> constants = beam_light_constants(needs);
+      constants.insert(constants.end(), {{FL_SPEC_SHADOWS, has_shadows(needs, settings)},
+                                         {FL_SPEC_MAP_PX, shadow_map_px(needs, settings)},
+                                         {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
+                                         {FL_SPEC_AIR, has_air(needs, settings)}});
+      return constants;
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       FL_ASSIGN(BoundPipeline light, BoundPipeline::compute(context, kProbelightComp, context.constants));

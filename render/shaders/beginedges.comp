@@ -13,10 +13,9 @@ layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) buffer EdgePartsBuffer 
 layout(set = 0, binding = FL_BINDING_EDGE_SAMPLES, std430) writeonly buffer EdgeSamplesBuffer { uint edge_samples[]; };
 layout(push_constant) uniform PartPush { uint part; };
 
-shared uint masks[FL_TILE_PX];                     // the tile's words
-shared uint edge_pixels[FL_TILE_PX * FL_TILE_PX];  // those with an edge: y * FL_TILE_PX + x
-shared uint first_pixel;                           // the number of the first one
-shared uint near_boxes[FL_GROUP_EDGES];            // of a round: those that the tile may show
+#include "render/shaders/lib/edge_tile.glsl"
+shared uint first_pixel;                 // the number of the first one
+shared uint near_boxes[FL_GROUP_EDGES];  // of a round: those that the tile may show
 shared uint near_count;
 
 const float kHalfTile = 0.5 * float(FL_TILE_PX);
@@ -89,24 +88,16 @@ void main() {
   uint tile_row = uint(edge_parts[part].first) / FL_TILE_PX + gl_WorkGroupID.y;
   uint first_word = (tile_row * gl_NumWorkGroups.x + gl_WorkGroupID.x) * FL_EDGE_WORDS;
   ivec2 low = ivec2(int(gl_WorkGroupID.x), int(tile_row)) * FL_TILE_PX;
-  if (gl_LocalInvocationIndex < FL_TILE_PX) {
-    masks[gl_LocalInvocationIndex] = edge_masks[first_word + gl_LocalInvocationIndex];
-  }
+  load_edge_masks(first_word);
   barrier();
-  uint count = (masks[FL_TILE_PX - 1] >> 16) + uint(bitCount(masks[FL_TILE_PX - 1] & 0xffffu));
+  uint count = edge_pixel_count();
   if (count == 0u) return;
   if (gl_LocalInvocationIndex == 0u) {
     // The order of tiles changes nothing but where their samples are.
     first_pixel = atomicAdd(edge_parts[tile_row].next, count);
     edge_masks[first_word + FL_TILE_PX] = first_pixel;
   }
-  if (kBoxes) {
-    for (uint i = gl_LocalInvocationIndex; i < FL_TILE_PX * FL_TILE_PX; i += FL_GROUP_EDGES) {
-      uint own = masks[i / FL_TILE_PX];
-      uint bit = 1u << (i % FL_TILE_PX);
-      if ((own & bit) != 0u) edge_pixels[(own >> 16) + uint(bitCount(own & (bit - 1u)))] = i;
-    }
-  }
+  if (kBoxes) list_edge_pixels();
   barrier();
   uint to = first_pixel * kSamples;
   if (!kBoxes) {

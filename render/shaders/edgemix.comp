@@ -22,8 +22,7 @@ layout(push_constant) uniform PartPush { uint part; };
 #define FL_SIDE (FL_TILE_PX + 2)
 shared vec4 planes[FL_SIDE * FL_SIDE];
 shared uint marks[FL_SIDE * FL_SIDE];
-shared uint edge_pixels[FL_TILE_PX * FL_TILE_PX];  // those with an edge: y * FL_TILE_PX + x
-shared uint masks[FL_TILE_PX];
+#include "render/shaders/lib/edge_tile.glsl"
 // Of pixels: how many samples have the colour of each of the nine, six bits each.
 #define FL_OWN 4
 shared uint counts[2 * FL_GROUP_EDGES];
@@ -103,16 +102,12 @@ void main() {
   uvec2 tile = uvec2(gl_WorkGroupID.x, uint(edge_parts[part].first) / FL_TILE_PX + gl_WorkGroupID.y);
   uint words = words_of_tile(tile);
   ivec2 low = ivec2(tile) * FL_TILE_PX;
-  if (own < FL_TILE_PX) masks[own] = edge_masks[words + own];
+  load_edge_masks(words);
   barrier();
-  uint count = (masks[FL_TILE_PX - 1] >> 16) + uint(bitCount(masks[FL_TILE_PX - 1] & 0xffffu));
+  uint count = edge_pixel_count();
   if (count == 0u) return;
   uint first_pixel = edge_masks[words + FL_TILE_PX];
-  for (uint i = own; i < FL_TILE_PX * FL_TILE_PX; i += FL_GROUP_EDGES) {
-    uint word = masks[i / FL_TILE_PX];
-    uint bit = 1u << (i % FL_TILE_PX);
-    if ((word & bit) != 0u) edge_pixels[(word >> 16) + uint(bitCount(word & (bit - 1u)))] = i;
-  }
+  list_edge_pixels();
   for (uint i = own; i < FL_SIDE * FL_SIDE; i += FL_GROUP_EDGES) load_plane(low, i);
   const uint kThreads = kSamples / FL_OWN;  // of a pixel
   const uint kPixels = FL_GROUP_EDGES / kThreads;

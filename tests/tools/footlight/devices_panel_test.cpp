@@ -85,6 +85,22 @@ class Ui : public testing::DrawnUi {
   InputsView* inputs = nullptr;
   const PumpStatus* status = nullptr;
   TimeNs now_ns = kNsPerS;
+
+  // Presses at one place, moves to the other and lets go there.
+  void drag(ImVec2 from, ImVec2 to) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.MousePos = from;
+    frame();
+    io.MouseDown[0] = true;
+    frame();
+    io.MousePos = {(from.x + to.x) / 2, (from.y + to.y) / 2};
+    for (int i = 0; i < 2; ++i) frame();
+    io.MousePos = to;
+    for (int i = 0; i < 2; ++i) frame();
+    io.MouseDown[0] = false;
+    for (int i = 0; i < 2; ++i) frame();
+  }
+
 };
 
 TEST_CASE("without outputs the panel says how to add one, and what drives the rig") {
@@ -453,20 +469,6 @@ TEST_CASE("an interface or an output that is dragged to a universe is patched to
   view.rows[1].endpoint = "sacn:3";
   view.rows[1].universes = {3};
   Ui ui(&view);
-  ImGuiIO& io = ImGui::GetIO();
-  // Presses at one place, moves to the other and lets go there.
-  const auto drag = [&](ImVec2 from, ImVec2 to) {
-    io.MousePos = from;
-    ui.frame();
-    io.MouseDown[0] = true;
-    ui.frame();
-    io.MousePos = {(from.x + to.x) / 2, (from.y + to.y) / 2};
-    for (int i = 0; i < 2; ++i) ui.frame();
-    io.MousePos = to;
-    for (int i = 0; i < 2; ++i) ui.frame();
-    io.MouseDown[0] = false;
-    for (int i = 0; i < 2; ++i) ui.frame();
-  };
   const ImRect body = Ui::body();
   // From every row of the panel to every row below, since the test has no places of names and universes.
   bool added = false;
@@ -475,7 +477,7 @@ TEST_CASE("an interface or an output that is dragged to a universe is patched to
     for (float to = from + 20; to < body.Max.y && !(added && moved); to += 8) {
       view.add.reset();
       view.move.reset();
-      drag({body.Min.x + 30, from}, {body.Min.x + 24, to});
+      ui.drag({body.Min.x + 30, from}, {body.Min.x + 24, to});
       if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);
       added = added || view.add == "enttec-pro:EN1=3";
       moved = moved || (view.move && view.move->row == 0 && view.move->to == 3);
@@ -495,25 +497,12 @@ TEST_CASE("an input that is dragged to a universe is moved to it") {
   Ui ui(&view);
   ui.inputs = &inputs;
   for (int i = 0; i < 3; ++i) ui.frame();
-  ImGuiIO& io = ImGui::GetIO();
-  const auto drag = [&](ImVec2 from, ImVec2 to) {
-    io.MousePos = from;
-    ui.frame();
-    io.MouseDown[0] = true;
-    ui.frame();
-    io.MousePos = {(from.x + to.x) / 2, (from.y + to.y) / 2};
-    for (int i = 0; i < 2; ++i) ui.frame();
-    io.MousePos = to;
-    for (int i = 0; i < 2; ++i) ui.frame();
-    io.MouseDown[0] = false;
-    for (int i = 0; i < 2; ++i) ui.frame();
-  };
   const ImRect body = Ui::body();
   bool moved = false;
   for (float from = body.Min.y; from < body.Max.y && !moved; from += 8) {
     for (float to = from + 20; to < body.Max.y && !moved; to += 8) {
       inputs.move.reset();
-      drag({body.Min.x + 30, from}, {body.Min.x + 24, to});
+      ui.drag({body.Min.x + 30, from}, {body.Min.x + 24, to});
       moved = inputs.move.has_value();
     }
   }
