@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/system_clock.h"
+#include "tests/tools/footlight/in_terminal.h"
 #include "tests/tools/footlight/run_footlight.h"
 #include "tools/footlight/status/http_server.h"
 
@@ -339,6 +340,29 @@ TEST_CASE("a scene is what the bridge merged, recalled, it is set by hand") {
   const Outcome unwritable = bridge.say({"scene", "store", "x", "--file", "/proc/footlight/scenes.toml"});
   CHECK(unwritable.exit_code == 1);
   CHECK(contains(unwritable.err, "/proc/footlight"));
+}
+
+TEST_CASE("in a terminal a command of the hand names the slots that it changed, and a blackout that hides them") {
+  const TempFolder folder;
+  const Bridge bridge(folder.file("s"));
+  const std::string file = folder.file("scenes.toml");
+  const auto shown = [&](Words words) {
+    words.insert(words.end(), {"--socket", bridge.socket});
+    InTerminal terminal(words);
+    CHECK(WEXITSTATUS(terminal.end()) == 0);
+    return terminal.output();
+  };
+  CHECK(contains(shown({"set", "1.1-12=50%", "1.12=9", "1.20+21=300"}),
+                 "footlight: set by hand: 14 slots of universe 1\r\n"));
+  CHECK(contains(shown({"fade", "1.17=255", "--over", "10s"}), "fading over 10.00 s: 1 slot of universe 1"));
+  CHECK(contains(shown({"scene", "store", "Warm", "1.1-12", "--file", file}),
+                 "scene Warm: 12 slots of universe 1 stored in " + file));
+  CHECK(contains(shown({"scene", "recall", "Warm", "--file", file}), "scene Warm: set by hand: 12 slots"));
+  CHECK(contains(shown({"blackout"}), "blackout is on; 'footlight blackout off' ends it"));
+  CHECK(contains(shown({"set", "1.1=255"}), "a blackout is on: it shows after 'footlight blackout off'"));
+  CHECK(contains(shown({"blackout", "off"}), "blackout is off"));
+  CHECK(contains(shown({"release", "1.17", "1.20"}), "given back: 2 slots of universe 1"));
+  CHECK(contains(shown({"release", "--all"}), "given back: all slots that were set by hand"));
 }
 
 }  // namespace

@@ -3,17 +3,13 @@
 #include <csignal>
 #include <cstdio>
 
-#include <poll.h>
-#include <pty.h>
 #include <sys/wait.h>
-#include <termios.h>
-#include <unistd.h>
-#include <utmp.h>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/drivers/net/private_network.h"
+#include "tests/tools/footlight/in_terminal.h"
 #include "tests/tools/footlight/run_footlight.h"
 #include "tools/footlight/monitor/monitor_state.h"
 #include "tools/footlight/monitor/monitor_view.h"
@@ -318,86 +314,8 @@ TEST_CASE("keys are decoded, also if their bytes arrive one by one") {
   CHECK(typed == "\xC3\xBC");
 }
 
-// The command in a terminal of 80 x 24.
-class InTerminal {
- public:
-  explicit InTerminal(std::vector<std::string> arguments) {
-    winsize size = {};
-    size.ws_col = 80;
-    size.ws_row = 24;
-    REQUIRE(openpty(&fd_, &other_, nullptr, nullptr, &size) == 0);
-    REQUIRE(tcgetattr(other_, &before_) == 0);
-    pid_ = fork();
-    REQUIRE(pid_ >= 0);
-    if (pid_ == 0) {
-      login_tty(other_);
-      std::vector<char*> words;
-      static std::string program = FOOTLIGHT_BINARY;
-      words.push_back(program.data());
-      for (std::string& argument : arguments) words.push_back(argument.data());
-      words.push_back(nullptr);
-      execv(words[0], words.data());
-      _exit(127);
-    }
-  }
-  ~InTerminal() {
-    if (pid_ > 0) {
-      kill(pid_, SIGKILL);
-      waitpid(pid_, nullptr, 0);
-    }
-    close(fd_);
-    close(other_);
-  }
-  InTerminal(const InTerminal&) = delete;
-  InTerminal& operator=(const InTerminal&) = delete;
-
-  void type(const std::string& keys) { REQUIRE(write(fd_, keys.data(), keys.size()) > 0); }
-  void signal(int number) { REQUIRE(kill(pid_, number) == 0); }
-  // Everything that arrived up to `part`.
-  void wait_for(const std::string& part) {
-    while (!contains(output_, part)) {
-      CAPTURE(output_);
-      REQUIRE(read_some(60'000));
-    }
-  }
-  int end() {
-    int status = 0;
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (waitpid(pid_, &status, WNOHANG) != pid_) {
-      REQUIRE(std::chrono::steady_clock::now() < deadline);  // the destructor kills it then
-      (void)read_some(20);
-    }
-    while (read_some(0)) {
-    }
-    pid_ = -1;
-    return status;
-  }
-  [[nodiscard]] const std::string& output() const { return output_; }
-  [[nodiscard]] bool is_as_before() const {
-    termios now = {};
-    REQUIRE(tcgetattr(other_, &now) == 0);
-    return now.c_lflag == before_.c_lflag && now.c_iflag == before_.c_iflag;
-  }
-
- private:
-  bool read_some(int patience_ms) {
-    pollfd ready = {fd_, POLLIN, 0};
-    if (poll(&ready, 1, patience_ms) != 1) return false;
-    char buffer[4096];
-    const ssize_t count = read(fd_, buffer, sizeof buffer);
-    if (count > 0) output_.append(buffer, static_cast<std::size_t>(count));
-    return count > 0;
-  }
-
-  int fd_ = -1;
-  int other_ = -1;  // kept open, so that its modes can be read at the end
-  pid_t pid_ = -1;
-  termios before_ = {};
-  std::string output_;
-};
-
 TEST_CASE("the terminal is restored when q is pressed") {
-  InTerminal monitor({"monitor", "mock:enttec-pro=3"});
+  testing::InTerminal monitor({"monitor", "mock:enttec-pro=3"});
   monitor.wait_for(">      3");
   CHECK(contains(monitor.output(), "\033[?1049h"));
   CHECK_FALSE(monitor.is_as_before());
@@ -430,7 +348,7 @@ TEST_CASE("the terminal is restored whatever signal ends the monitor") {
 #endif
   for (const int number : numbers) {
     CAPTURE(number);
-    InTerminal monitor({"monitor", "mock:enttec-pro=3"});
+    testing::InTerminal monitor({"monitor", "mock:enttec-pro=3"});
     monitor.wait_for(">      3");
     // ThreadSanitizer sets up a thread's signals in its first call that waits, and loses a signal that comes meanwhile:
     // an answered key proves that this call is over.
@@ -446,7 +364,7 @@ TEST_CASE("the terminal is restored whatever signal ends the monitor") {
 
 TEST_CASE("discover shows the remaining seconds on a terminal") {
   if (!testing::enter_private_network()) return;
-  InTerminal discover({"discover", "--for", "1500ms"});
+  testing::InTerminal discover({"discover", "--for", "1500ms"});
   discover.wait_for("footlight: 2 s left, 0 found");
   discover.wait_for("footlight: 1 s left, 0 found");
   CHECK(WEXITSTATUS(discover.end()) == 3);
@@ -465,7 +383,7 @@ TEST_CASE("a running bridge is monitored through its socket, and reported as gon
   CHECK(json["ports"].size() == 2);
   CHECK(json["universes"][0]["universe"] == 5);
   CHECK(json["universes"][0]["levels"].size() == 512);
-  InTerminal monitor({"monitor", "--socket", socket});
+  testing::InTerminal monitor({"monitor", "--socket", socket});
   monitor.wait_for(">      5");
   bridge.signal(SIGTERM);
   CHECK(bridge.wait().exit_code == 0);

@@ -88,7 +88,7 @@ class Desk {
   // The mouse beside all panels and lamps: nothing has its colours of a mouse over it.
   void rest() const { xdotool(fmt::format("mousemove 2 {}", kHeight / 2)); }
 
-  // Until the line of figures that comes every second says so.
+  // Until a line of figures says so.
   Json wait(const std::string& what, const std::function<bool(const Json&)>& is) {
     const auto until = std::chrono::steady_clock::now() + kPatience;
     Json figures;
@@ -134,7 +134,7 @@ class Desk {
  private:
   static Words with_size(const std::string& line) {
     Words words = words_of(line);
-    words.insert(words.end(), {"--size", fmt::format("{}x{}", kWidth, kHeight), "--json"});
+    words.insert(words.end(), {"--size", fmt::format("{}x{}", kWidth, kHeight), "--json", "--period", "200ms"});
     return words;
   }
   static std::map<std::string, std::string> environment(const Display& display, const TempFolder& folder) {

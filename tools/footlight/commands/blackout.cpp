@@ -4,6 +4,8 @@
 #include <memory>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "fixtures/simulate/hand_fixtures.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/command.h"
@@ -17,6 +19,7 @@ namespace {
 constexpr DurationNs kHoldDefaultNs = 2 * kNsPerS;
 constexpr int kRenewalsPerHold = 4;
 constexpr DurationNs kStepMaxNs = 100 * kNsPerMs;
+constexpr const char* kIsOn = "blackout is on; 'footlight blackout off' ends it";
 
 struct Options {
   HandClientOptions bridge;
@@ -55,7 +58,7 @@ Result<int> hold(const Options& options, const HandClient& client) {
     if (!renewed && renewed.error().code != ErrorCode::kTimeout) return tl::unexpected(renewed.error());
   }
   FL_TRY(client.send({.action = HandAction::kBlackout, .levels = {}}));
-  std::fputs("blackout is on; 'footlight blackout off' ends it\n", stderr);
+  fmt::print(stderr, "{}\n", kIsOn);
   return kExitOk;
 }
 
@@ -79,6 +82,7 @@ Result<int> blackout(const Options& options) {
   }
   // A part adds to the blackout of those before.
   for (const HandCommand& part : hand_parts(std::move(command))) FL_TRY(client.send(part));
+  HandClient::print_done(word == "off" ? "blackout is off" : kIsOn);
   return kExitOk;
 }
 

@@ -1,8 +1,12 @@
 // footlight fade: changes levels in the running bridge over a time.
 #include <memory>
 
+#include <fmt/format.h>
+
 #include "tools/footlight/command.h"
+#include "tools/footlight/duration.h"
 #include "tools/footlight/hand/hand_client.h"
+#include "tools/footlight/hand/hand_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -26,6 +30,7 @@ Result<int> fade(const Options& options) {
   command.priority = static_cast<std::uint8_t>(options.priority);
   command.over_ns = options.over_ns;
   FL_TRY(client.send(command));
+  client.report(fmt::format("fading over {}: {}", show_duration(command.over_ns), counted_slots(command.levels)));
   return kExitOk;
 }
 

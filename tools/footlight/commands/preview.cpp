@@ -92,7 +92,11 @@ void add(Arguments& arguments) {
   arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");
   arguments.flag("--recover", options->recover, "open the edits of this rig that a session lost when it was killed");
   arguments.flag("--json", options->json, "frame times as JSON, one object a second and a summary");
+  arguments.duration("--period", options->json_period_ns, "--json: time between two objects, 100ms to 1h [1s]");
   arguments.job([=]() -> Result<int> {
+    if (options->json_period_ns < kNsPerS / 10 || options->json_period_ns > 3600 * kNsPerS) {
+      return fail(ErrorCode::kBadInput, "--period: expected 100ms to 1h");
+    }
     if (!edges->empty()) {
       FL_ASSIGN(options->edge_samples, parse_edges(*edges));
     }

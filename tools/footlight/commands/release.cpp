@@ -3,6 +3,7 @@
 
 #include "tools/footlight/command.h"
 #include "tools/footlight/hand/hand_client.h"
+#include "tools/footlight/hand/hand_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -23,6 +24,7 @@ Result<int> release(const Options& options) {
   command.action = options.all ? HandAction::kReleaseAll : HandAction::kRelease;
   FL_ASSIGN(command.levels, client.targets(options.targets));
   FL_TRY(client.send(command));
+  client.report("given back: " + (options.all ? "all slots that were set by hand" : counted_slots(command.levels)));
   return kExitOk;
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/footlight/command.h"
+#include "tools/footlight/duration.h"
 #include "tools/footlight/hand/hand_client.h"
 #include "tools/footlight/hand/hand_text.h"
 #include "tools/footlight/hand/scene_file.h"
@@ -68,6 +69,7 @@ Result<int> store(const Options& options) {
   }
   if (levels.empty()) return fail(ErrorCode::kNotFound, "the bridge has no levels yet: nothing was sent to it");
   FL_TRY(store_scene(file, options.name, assignments_of(levels)));
+  client.report(fmt::format("scene {}: {} stored in {}", options.name, counted_slots(levels), file));
   return kExitOk;
 }
 
@@ -86,6 +88,8 @@ Result<int> recall(const Options& options) {
     command.levels.insert(command.levels.end(), levels->begin(), levels->end());
   }
   FL_TRY(client.send(command));
+  const std::string over = options.over_ns == 0 ? "set by hand" : "fading over " + show_duration(options.over_ns);
+  client.report(fmt::format("scene {}: {}: {}", options.name, over, counted_slots(command.levels)));
   return kExitOk;
 }
 
@@ -100,6 +104,7 @@ Result<int> remove(const Options& options) {
   FL_TRY(need_name(options, "delete"));
   FL_ASSIGN(const std::string path, file_of(options));
   FL_TRY(delete_scene(path, options.name));
+  HandClient::print_done(fmt::format("scene {}: deleted from {}", options.name, path));
   return kExitOk;
 }
 

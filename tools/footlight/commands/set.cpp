@@ -4,6 +4,7 @@
 
 #include "tools/footlight/command.h"
 #include "tools/footlight/hand/hand_client.h"
+#include "tools/footlight/hand/hand_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -27,6 +28,7 @@ Result<int> set(const Options& options) {
     FL_ASSIGN(command.levels, client.assignments(options.assignments));
     command.priority = static_cast<std::uint8_t>(options.priority);
     FL_TRY(client.send(command));
+    client.report("set by hand: " + counted_slots(command.levels));
   }
   if (options.list) {
     FL_ASSIGN(const std::string page, client.page());

@@ -1,11 +1,15 @@
 #include "tools/footlight/hand/hand_client.h"
 
+#include <unistd.h>
+
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tools/footlight/bridge/bridge_sockets.h"
 #include "tools/footlight/hand/hand_targets.h"
 #include "tools/footlight/hand/hand_text.h"
 #include "tools/footlight/status/http_server.h"
+#include "tools/footlight/status/printable.h"
 
 namespace footlight::tools {
 namespace {
@@ -56,6 +60,18 @@ Status HandClient::send(const HandCommand& command) const {
     default: break;
   }
   return fail(ErrorCode::kUnsupported, "{}: {}", socket_, why);
+}
+
+void HandClient::print_done(const std::string& done) {
+  if (isatty(STDERR_FILENO) != 0) fmt::print(stderr, "footlight: {}\n", printable_line(done));
+}
+
+void HandClient::report(const std::string& done) const {
+  if (isatty(STDERR_FILENO) == 0) return;
+  const auto text = page();
+  const nlohmann::json json = text ? nlohmann::json::parse(*text, nullptr, /*allow_exceptions=*/false) : nullptr;
+  const bool dark = json.is_object() && json.value("blackout", false);
+  print_done(done + (dark ? "; a blackout is on: it shows after 'footlight blackout off'" : ""));
 }
 
 Result<std::string> HandClient::page() const {

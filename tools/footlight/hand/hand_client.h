@@ -30,6 +30,8 @@ class HandClient {
   // Errors: kPermission; kBadInput: the bridge refused it; kUnsupported: the bridge has no hand; those of
   // http_request().
   [[nodiscard]] Status send(const HandCommand& command) const;
+  // Prints on standard error, if that is a terminal, what a command did, and that a blackout hides it if one is on.
+  void report(const std::string& done) const;
   // The page of GET /hand.
   [[nodiscard]] Result<std::string> page() const;
   // The merged levels of every universe of the bridge, each slot a level.
@@ -43,6 +45,9 @@ class HandClient {
   [[nodiscard]] Result<const fixtures::Rig*> rig(const std::string& target);
   // Of --rig alone: nullptr without it.
   [[nodiscard]] Result<const fixtures::Rig*> named_rig();
+
+  // Prints on standard error what a command did, if that is a terminal: jobs of cron and scripts stay silent.
+  static void print_done(const std::string& done);
 
  private:
   HandClient(std::string socket, std::string rig) : socket_(std::move(socket)), rig_path_(std::move(rig)) {}

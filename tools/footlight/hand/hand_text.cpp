@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <utility>
 
 namespace footlight::tools {
@@ -214,6 +215,18 @@ Status parse_slot_assignment(std::string_view text, std::vector<HandLevel>& into
     into.push_back(level_at(place, i * count, count, values[values.size() == 1 ? 0 : i]));
   }
   return {};
+}
+
+std::string counted_slots(const std::vector<HandLevel>& levels) {
+  std::set<std::pair<Universe, std::uint16_t>> slots;
+  std::set<Universe> universes;
+  for (const HandLevel& level : levels) {
+    universes.insert(level.universe);
+    for (int i = 0; i < level.count; ++i) slots.emplace(level.universe, level.slots[static_cast<std::size_t>(i)]);
+  }
+  const std::string count = fmt::format("{} {}", slots.size(), slots.size() == 1 ? "slot" : "slots");
+  if (universes.size() == 1) return fmt::format("{} of universe {}", count, *universes.begin());
+  return fmt::format("{} of {} universes", count, universes.size());
 }
 
 std::vector<std::string> assignments_of(const std::vector<HandLevel>& levels) {

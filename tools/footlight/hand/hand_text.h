@@ -35,6 +35,8 @@ struct HandNumber {
 [[nodiscard]] Status parse_slot_assignment(std::string_view text, std::vector<HandLevel>& into);  // "1.1-12=0"
 // The same text, with runs of equal levels and of neighbours as one assignment each.
 [[nodiscard]] std::vector<std::string> assignments_of(const std::vector<HandLevel>& levels);
+// "1 slot of universe 1", "12 slots of 3 universes": each slot once.
+[[nodiscard]] std::string counted_slots(const std::vector<HandLevel>& levels);
 
 // A message has a line with the version, a line with the action, and lines with its parts:
 //

@@ -52,6 +52,7 @@ struct PreviewOptions {
   FlashMode flashes = FlashMode::kWarn;
   bool recover = false;  // opens the newest edits of the rig that a session lost
   bool json = false;
+  DurationNs json_period_ns = kNsPerS;
   std::string news;  // a message of the window at its start; empty: none
 };
 

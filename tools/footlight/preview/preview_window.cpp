@@ -321,7 +321,7 @@ Status Preview::read_picture() {
   return {};
 }
 
-// What panels show of this moment, and once a second the figures.
+// What panels show of this moment, and once a second, or a period of --json, the figures.
 void Preview::read_second() {
   if (last_ns_ - facts_.now_ns < kFactsNs) return;  // ages that change more often cannot be read, and cost a redraw
   facts_.now_ns = last_ns_;
@@ -334,8 +334,9 @@ void Preview::read_second() {
     facts_.machine_fog_per_m = air->fog_per_m();
   }
   const DurationNs since_ns = facts_.now_ns - second_ns_;
-  if (since_ns >= kNsPerS) refresh_hz_ = Window::refresh_hz();  // which asks the window system
-  if (since_ns < kNsPerS || times_.count() == 0) return;
+  const DurationNs period_ns = options_.json ? options_.json_period_ns : kNsPerS;
+  if (since_ns >= period_ns) refresh_hz_ = Window::refresh_hz();  // which asks the window system
+  if (since_ns < period_ns || times_.count() == 0) return;
   facts_.fps = static_cast<double>(second_frames_) * 1e9 / static_cast<double>(since_ns);
   second_ns_ = facts_.now_ns;
   second_frames_ = 0;
