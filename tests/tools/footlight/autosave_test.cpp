@@ -176,6 +176,23 @@ TEST_CASE("a copy is older if the file was saved after it") {
   CHECK(tools::find_lost_edits(state, file.path())->older);
 }
 
+TEST_CASE("a copy of an imported rig is not older than a rig file that was there before, which is another's") {
+  const TempFolder folder;
+  const std::string state = folder.file("state");
+  const std::string head = folder.write("head.qxf", qxf_head("Robe", "One", {{"m", 4}}));
+  folder.write("head.toml", kCommentedRig);
+  RigFile file = opened_file(head);
+  REQUIRE(file.target() == folder.file("head.toml"));
+  {
+    Autosave copies(file, state);
+    lift(file, {0});
+    CHECK(!file.save());  // refused: it was not opened here
+    CHECK(copies.write_now(1).has_value());
+  }
+  CHECK(!tools::find_lost_edits(state, file.path())->older);
+  CHECK(tools::find_lost_edits(state, file.path())->others);
+}
+
 TEST_CASE("a copy that cannot be written is told once, and tried again") {
   const TempFolder folder;
   RigFile file = opened_file(folder.write("club.toml", kCommentedRig));

@@ -129,9 +129,11 @@ std::optional<LostEdits> find_lost_edits(const std::string& state, const std::st
     if (newest && its.st_mtime <= newest->written_s) continue;
     auto claim = FolderClaim::take(folder);
     if (!claim) continue;
-    LostEdits lost{std::move(*claim), its.st_mtime, {}, {}, {}, false};
+    LostEdits lost{std::move(*claim), its.st_mtime, {}, {}, {}};
     if (!read_about(folder + kAboutName, lost) || lost.path != absolute_path(path)) continue;
-    lost.older = mark_of_file(lost.target) != lost.known;
+    const std::optional<FileMark> now = mark_of_file(lost.target);
+    lost.older = lost.known && now != lost.known;
+    lost.others = !lost.known && now;
     newest = std::move(lost);
   }
   return newest;

@@ -48,7 +48,8 @@ struct LostEdits {
   std::string path;            // of the rig, absolute
   std::string target;
   std::optional<FileMark> known;
-  bool older = false;  // the target was saved or changed since; the copy cannot be saved over it
+  bool older = false;   // the target was saved or changed since; the copy cannot be saved over it
+  bool others = false;  // the target is a file that the session had not opened; the copy cannot be saved over it
 };
 // The newest copy of this rig. `state`: state_folder(); empty: there is none.
 [[nodiscard]] std::optional<LostEdits> find_lost_edits(const std::string& state, const std::string& path);

@@ -61,6 +61,10 @@ Result<RigFile> Preview::open_file() {
                 options_.files.rig.empty() ? "the demo" : options_.files.rig);
   }
   FL_ASSIGN(RigFile file, open_lost_edits(*lost));
+  if (lost->others) {
+    fmt::print(stderr, "footlight: {}: exists and is not the file of these edits; save them under another name\n",
+               printable_utf8(lost->target));
+  }
   if (lost->older) {
     fmt::print(stderr, "footlight: {}: has changed since these edits; move it away before you save them\n",
                printable_utf8(lost->target));
