@@ -141,6 +141,7 @@ class Desk {
     return {{"DISPLAY", display.name()},
             {"WAYLAND_DISPLAY", ""},
             {"XDG_STATE_HOME", folder.file("state")},
+            {"GALLIVM_PERF", ""},  // lavapipe optimises its code, which draws hundreds of pictures
             {"ASAN_OPTIONS", "detect_leaks=0"}};  // drivers of GPUs leak (tests/support/headless_vulkan.cpp)
   }
   void xdotool(const std::string& what) const {

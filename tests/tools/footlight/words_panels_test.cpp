@@ -66,7 +66,7 @@ const std::set<std::string, std::less<>>& no_words() {
   static const std::set<std::string, std::less<>> all{
       "m",   "s",  "ms",        "us",  "Hz",  "K",     "lm",   "lx",     "MB",   "MiB", "KiB", "px",  "x",
       "y",   "z",  "X",         "Y",   "Z",   "A",     "B",    "C",      "E",    "F",   "G",   "H",   "I",
-      "K",   "L",  "M",         "N",   "O",   "P",     "Q",    "R",      "T",    "V",   "W",   "D",   "deg",
+      "K",   "L",  "M",         "N",   "O",   "P",     "Q",    "R",      "T",    "V",   "W",   "D",   "°",
       "p",   "F1", "F2",        "F3",  "F4",  "F5",    "F6",   "F7",     "F8",   "F9",  "F10", "F11", "F12",
       "GPU", "EV", "FOOTLIGHT", "p50", "p90", "built", "sacn", "artnet", "mock", "midi"};
   return all;

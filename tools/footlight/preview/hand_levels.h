@@ -17,7 +17,7 @@ namespace footlight::tools {
 struct Fader {
   std::string_view attribute;
   const char* name = "";
-  const char* unit = "";  // "%": of 0 to 1; "deg"; "": a wheel's slot, from 1
+  const char* unit = "";  // "%": of 0 to 1; "°"; "": a wheel's slot, from 1
   double from = 0;
   double to = 1;
   double value = 0;

@@ -354,7 +354,7 @@ void draw_hand(const PreviewFacts& facts, PreviewControls& controls, HandLevels&
     const std::string format = fmt::format("{} %.0f{}", ui_format(tr(fader.name)),
                                            kind == "%"    ? " %%"
                                            : kind.empty() ? ""
-                                                          : " " + std::string(kind));
+                                                          : std::string(kind));
     auto value = static_cast<float>(fader.value / unit);
     ImGui::PushID(fader.name);
     ImGui::SetNextItemWidth(-1);

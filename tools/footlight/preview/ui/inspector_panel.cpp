@@ -129,13 +129,14 @@ class InspectorPanel final : public Panel {
   static void draw_buttons(UiDesk& desk) {
     bool highlight = desk.highlights();
     if (ImGui::Checkbox(tr_label("highlight (L)"), &highlight)) desk.set_highlight(highlight);
-    ImGui::SameLine();
     bool locate = desk.locates();
+    ui_same_line_for(tr_label("locate (Shift+L)"), true);
     if (ImGui::Checkbox(tr_label("locate (Shift+L)"), &locate)) desk.set_locate(locate);
-    ImGui::SameLine();
     const std::size_t taken = desk.state().taken.size();
+    const std::string release = trf("release all {} (R)", taken) + "###release";
+    ui_same_line_for(release.c_str());
     ImGui::BeginDisabled(taken == 0);
-    if (ImGui::Button((trf("release all {} (R)", taken) + "###release").c_str())) desk.release_all();
+    if (ImGui::Button(release.c_str())) desk.release_all();
     ImGui::EndDisabled();
   }
 

@@ -46,24 +46,26 @@ class TimelinePanel final : public Panel {
       }
       ImGui::EndCombo();
     }
-    ImGui::SameLine();
+    ui_same_line_for(tr_label("repeat"), true);
     ImGui::Checkbox(tr_label("repeat"), &transport.repeats);
-    ImGui::SameLine();
+    ui_same_line_for(tr_label("from here"));
     if (ImGui::Button(tr_label("from here"))) transport.repeat_from(transport.now_ns);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("The part that repeats begins at this time."));
-    ImGui::SameLine();
+    ui_same_line_for(tr_label("to here"));
     if (ImGui::Button(tr_label("to here"))) transport.repeat_to(transport.now_ns);
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("The part that repeats ends at this time."));
     if (transport.from_ns || transport.to_ns) {
-      ImGui::SameLine();
+      ui_same_line_for(tr_label("whole log"));
       if (ImGui::Button(tr_label("whole log"))) transport.repeat_all();
     }
-    ImGui::SameLine();
-    ui_text(trf("{} of {}", time_text(transport.now_ns), time_text(transport.duration_ns)));
+    const std::string times = trf("{} of {}", time_text(transport.now_ns), time_text(transport.duration_ns));
+    ui_same_line_for(times.c_str());
+    ui_text(times);
     if (transport.from_ns || transport.to_ns) {
-      ImGui::SameLine();
-      ui_text(kUiAmber, trf("repeats {} to {}", time_text(transport.from_ns.value_or(0)),
-                            time_text(transport.to_ns.value_or(transport.duration_ns))));
+      const std::string part = trf("repeats {} to {}", time_text(transport.from_ns.value_or(0)),
+                                   time_text(transport.to_ns.value_or(transport.duration_ns)));
+      ui_same_line_for(part.c_str());
+      ui_text(kUiAmber, part);
     }
   }
 

@@ -8,7 +8,7 @@ void set_dark(ImVec4* colours) {
   colours[ImGuiCol_FrameBg] = {0.12f, 0.13f, 0.15f, 1};
   colours[ImGuiCol_FrameBgHovered] = {0.17f, 0.18f, 0.21f, 1};
   colours[ImGuiCol_FrameBgActive] = {0.20f, 0.21f, 0.24f, 1};
-  colours[ImGuiCol_SliderGrab] = {0.52f, 0.36f, 0.14f, 1};
+  colours[ImGuiCol_SliderGrab] = {0.38f, 0.26f, 0.10f, 1};  // under the number, which has to be read
   colours[ImGuiCol_SliderGrabActive] = {0.68f, 0.47f, 0.18f, 1};
   colours[ImGuiCol_CheckMark] = {0.95f, 0.66f, 0.25f, 1};
   colours[ImGuiCol_Button] = {0.14f, 0.15f, 0.18f, 1};
@@ -26,6 +26,11 @@ void set_dark(ImVec4* colours) {
   colours[ImGuiCol_ResizeGripHovered] = {0.52f, 0.36f, 0.14f, 1};
   colours[ImGuiCol_ResizeGripActive] = {0.68f, 0.47f, 0.18f, 1};
   colours[ImGuiCol_ModalWindowDimBg] = {0, 0, 0, 0.55f};
+  colours[ImGuiCol_Tab] = {0.12f, 0.13f, 0.15f, 1};
+  colours[ImGuiCol_TabHovered] = {0.30f, 0.25f, 0.17f, 1};
+  colours[ImGuiCol_TabActive] = {0.26f, 0.23f, 0.17f, 1};
+  colours[ImGuiCol_TextSelectedBg] = {0.52f, 0.36f, 0.14f, 0.6f};
+  colours[ImGuiCol_NavHighlight] = {0.95f, 0.66f, 0.25f, 1};
 }
 
 void set_light(ImVec4* colours) {
@@ -33,7 +38,7 @@ void set_light(ImVec4* colours) {
   colours[ImGuiCol_FrameBg] = {0.84f, 0.84f, 0.83f, 1};
   colours[ImGuiCol_FrameBgHovered] = {0.79f, 0.79f, 0.78f, 1};
   colours[ImGuiCol_FrameBgActive] = {0.74f, 0.74f, 0.72f, 1};
-  colours[ImGuiCol_SliderGrab] = {0.78f, 0.56f, 0.20f, 1};
+  colours[ImGuiCol_SliderGrab] = {0.88f, 0.74f, 0.48f, 1};
   colours[ImGuiCol_SliderGrabActive] = {0.68f, 0.47f, 0.14f, 1};
   colours[ImGuiCol_CheckMark] = {0.57f, 0.38f, 0.00f, 1};
   colours[ImGuiCol_Button] = {0.83f, 0.83f, 0.81f, 1};
@@ -49,6 +54,11 @@ void set_light(ImVec4* colours) {
   colours[ImGuiCol_MenuBarBg] = {0.87f, 0.87f, 0.86f, 1};
   colours[ImGuiCol_TableHeaderBg] = {0.85f, 0.85f, 0.84f, 1};
   colours[ImGuiCol_ModalWindowDimBg] = {0, 0, 0, 0.35f};
+  colours[ImGuiCol_Tab] = {0.85f, 0.85f, 0.84f, 1};
+  colours[ImGuiCol_TabHovered] = {0.86f, 0.78f, 0.62f, 1};
+  colours[ImGuiCol_TabActive] = {0.88f, 0.82f, 0.70f, 1};
+  colours[ImGuiCol_TextSelectedBg] = {0.86f, 0.70f, 0.38f, 0.6f};
+  colours[ImGuiCol_NavHighlight] = {0.57f, 0.38f, 0.00f, 1};
 }
 
 }  // namespace

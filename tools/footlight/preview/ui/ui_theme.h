@@ -59,6 +59,16 @@ inline void ui_text(const ImVec4& colour, std::string_view words) {
   ImGui::PopStyleColor();
 }
 
+// The next item follows on the line if it fits: a button or text with these words, whose label may have a part from
+// "##" on. has_box: a check box before the words.
+inline void ui_same_line_for(const char* words, bool has_box = false) {
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float beside = has_box ? ImGui::GetFrameHeight() + style.ItemInnerSpacing.x : 2 * style.FramePadding.x;
+  const float width = ImGui::CalcTextSize(words, nullptr, true).x + beside;
+  ImGui::SameLine();
+  if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
+}
+
 // On several lines where it is too long for one.
 inline void ui_wrapped(const ImVec4& colour, std::string_view words) {
   ImGui::PushTextWrapPos(0);
