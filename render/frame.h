@@ -27,6 +27,7 @@
 #include "render/pass.h"
 #include "render/plan.h"
 #include "render/resources.h"
+#include "render/screen_lights.h"
 #include "render/settings.h"
 #include "render/vk/device.h"
 
@@ -235,6 +236,7 @@ class Frame {
   MirrorPlane mirror_plane_;
   std::unique_ptr<Mirror> mirror_;  // null: nothing mirrors
   DisplayFilms films_;
+  ScreenLights screens_;
   PassList entries_;  // those that the rig and the settings need are in passes_
   std::vector<PassPlan> plan_;
   std::vector<std::unique_ptr<Pass>> passes_;  // one a plan entry

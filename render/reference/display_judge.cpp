@@ -8,6 +8,8 @@
 
 #include <boost/math/quadrature/gauss.hpp>
 
+#include "fixtures/displays/screen_dimmers.h"
+
 namespace footlight::render {
 namespace {
 
@@ -173,9 +175,18 @@ glm::dvec3 air_of(const JudgeScene& scene, const JudgeDisplay& display, const Ra
 
 }  // namespace
 
-void add_displays(JudgeScene& scene, const fixtures::Rig& rig, std::span<const Universe> universes,
-                  std::span<const std::uint8_t> levels) {
-  for (const fixtures::Display& display : rig.displays) {
+void add_displays(JudgeScene& scene, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
+                  std::span<const std::uint8_t> given) {
+  const std::vector<Universe>& universes = compiled.universes;
+  const std::vector<std::uint8_t> none(given.empty() ? universes.size() * kSlotCountMax : 0);
+  const std::span<const std::uint8_t> levels = given.empty() ? none : given;
+  const fixtures::ScreenDimmers dimmers(rig, compiled);
+  std::vector<double> shares(rig.displays.size(), 1);
+  for (std::size_t i = 0; i < dimmers.displays().size(); ++i) {
+    shares[dimmers.displays()[i]] = dimmers.share(i, levels);
+  }
+  for (std::size_t i = 0; i < rig.displays.size(); ++i) {
+    const fixtures::Display& display = rig.displays[i];
     const glm::dmat4 pose = fixtures::pose_of(display);
     JudgeDisplay judged{display.position_m,
                         glm::dvec3(pose[0]) * (display.width_m / 2),
@@ -194,11 +205,11 @@ void add_displays(JudgeScene& scene, const fixtures::Rig& rig, std::span<const U
       const auto at = std::lower_bound(universes.begin(), universes.end(), display.map->universe + place.universe);
       const auto first =
           static_cast<std::size_t>(at - universes.begin()) * kSlotCountMax + static_cast<std::size_t>(place.slot);
-      return levels.empty() ? glm::dvec3(0) : fixtures::pixel_light(*display.map, &levels[first]);
+      return fixtures::pixel_light(*display.map, &levels[first]);
     };
     for (int y = 0; y < display.rows; ++y) {
       for (int x = 0; x < display.columns; ++x) {
-        judged.pixels_cd_m2.push_back(display.nits * display.color * light_of(x, y));
+        judged.pixels_cd_m2.push_back(shares[i] * display.nits * display.color * light_of(x, y));
       }
     }
     scene.displays.push_back(std::move(judged));

@@ -13,9 +13,9 @@
 
 namespace footlight::render {
 
-// The displays of a rig with the levels of its pixel maps: universes x 512 bytes, in the order of `universes`; empty:
-// all are 0.
-void add_displays(JudgeScene& scene, const fixtures::Rig& rig, std::span<const Universe> universes,
+// The displays of a rig with the levels of its pixel maps and of the fixtures that dim them: universes x 512 bytes, as
+// the compiled rig orders them; empty: all are 0.
+void add_displays(JudgeScene& scene, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
                   std::span<const std::uint8_t> levels);
 
 // Light of displays in the air along a ray up to t_max_m, which may be infinite, and of a pixel that the ray meets

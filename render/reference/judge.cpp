@@ -752,7 +752,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
   scene.range_m = kAirRangeM;
   const double range_m = light_range_m(rig);
   add_panes(scene, rig, range_m);
-  add_displays(scene, rig, walker.rig.universes, walker.levels);
+  add_displays(scene, rig, walker.rig, walker.levels);
   scene.gobo = std::move(gobo);
   std::vector<std::size_t> heads;  // of the beams
   for (std::size_t i = 0; i < walker.states.size(); ++i) {

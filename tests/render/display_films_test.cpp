@@ -6,6 +6,7 @@
 
 #include "render/display_tables.h"
 #include "render/frame.h"
+#include "render/reference/display_judge.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
 
@@ -102,6 +103,59 @@ TEST_CASE("a film shows to the bit what an image of its pixels shows, and is dar
   (void)drawn(*frame, scene);
   must(frame->change(judged_settings(kWidth, kHeight)));
   CHECK(drawn(*frame, scene) == still(pixels_of(2)));
+}
+
+TEST_CASE("a screen that its fixture dims shows to the bit what a display of that luminance shows") {
+  HeadlessVulkan vulkan;
+  const auto scene_of = [](double nits, bool is_screen) {
+    Scene scene = film_scene();
+    scene.rig.displays.pop_back();
+    scene.rig.displays.erase(scene.rig.displays.begin());
+    fixtures::Display& display = scene.rig.displays[0];
+    display.image = pixels_of(4);  // a picture of the video, which stands
+    display.nits = nits;
+    fixtures::Rig lamp = must(fixtures::parse_rig(
+        "[rig]\nname = \"L\"\n[[fixture]]\nname = \"L\"\ntype = \"dimmers/1\"\nuniverse = 1\naddress = 1\n"
+        "position = [0, 4, 9]\n",
+        "lamp.toml"));
+    scene.rig.types = lamp.types;
+    scene.rig.fixtures = lamp.fixtures;
+    std::vector<fixtures::Geometry>& geometries = scene.rig.types[0].modes[0].geometries;
+    for (std::size_t i = 0; i < geometries.size(); ++i) {
+      if (geometries[i].beam == fixtures::kNoIndex) continue;
+      geometries[i].beam = fixtures::kNoIndex;
+      geometries[i].kind = fixtures::GeometryKind::kDisplay;
+      if (!is_screen) continue;
+      display.fixture = 0;
+      display.geometry = static_cast<int>(i);
+    }
+    scene.compile();
+    return scene;
+  };
+  Scene screen = scene_of(800, true);
+  const auto frame = make_frame(vulkan.device(), screen, judged_settings(kWidth, kHeight));
+  const auto plain = [&](double nits) {
+    const Scene scene = scene_of(nits, false);
+    return drawn(*make_frame(vulkan.device(), scene, judged_settings(kWidth, kHeight)), scene);
+  };
+  for (const int level : {51, 255, 51}) {
+    CAPTURE(level);
+    screen.levels.at(0) = static_cast<std::uint8_t>(level);
+    CHECK(drawn(*frame, screen) == plain(800.0 * level / 255));
+  }
+  screen.levels.at(0) = 0;
+  const std::vector<float> dark = drawn(*frame, screen);
+  CHECK(std::all_of(dark.begin(), dark.end(), [](float light) { return light == 0; }));
+  // The judge has the same shares.
+  const auto sum_of = [](const Scene& scene) {
+    JudgeScene judge;
+    add_displays(judge, scene.rig, scene.compiled, scene.levels);
+    glm::dvec3 sum(0);
+    for (const glm::dvec3& pixel : judge.displays.at(0).pixels_cd_m2) sum += pixel;
+    return sum.r;
+  };
+  screen.levels.at(0) = 51;
+  CHECK(sum_of(screen) == doctest::Approx(sum_of(scene_of(160, false))));
 }
 
 }  // namespace

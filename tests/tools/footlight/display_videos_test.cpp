@@ -41,5 +41,22 @@ TEST_CASE("a video that cannot be read any more is closed, and the videos of oth
   CHECK(given == std::vector<std::size_t>{1});
 }
 
+TEST_CASE("a rig whose displays with videos have other indices, pixels or files has other videos") {
+  fixtures::Rig rig;
+  rig.displays = {display_of("a.mkv"), fixtures::Display{}, display_of("b.mkv")};
+  CHECK(same_videos(rig, rig));
+  fixtures::Rig other = rig;
+  other.displays[1].nits = 7;  // no video
+  CHECK(same_videos(rig, other));
+  other.displays.erase(other.displays.begin() + 1);
+  CHECK_FALSE(same_videos(rig, other));
+  other = rig;
+  other.displays[2].columns += 1;
+  CHECK_FALSE(same_videos(rig, other));
+  other = rig;
+  other.displays.pop_back();
+  CHECK_FALSE(same_videos(other, rig));
+}
+
 }  // namespace
 }  // namespace footlight::tools

@@ -7,6 +7,7 @@
 
 #include <fmt/ranges.h>
 
+#include "fixtures/displays/screens.h"
 #include "fixtures/files/import/import.h"
 #include "fixtures/files/import/text.h"
 #include "fixtures/gobos/gobo_images.h"
@@ -140,6 +141,7 @@ class Writer {
 
   void write_tree(const Mode& mode) {
     std::vector<int> depths;
+    const std::vector<fixtures::Screen> screens = screens_of(type_, mode);
     for (const Geometry& geometry : mode.geometries) {
       depths.push_back(geometry.parent == kNoIndex ? 0 : depths[index(geometry.parent)] + 1);
       std::string text = fmt::format("{} ({})", geometry.name, kind_name(geometry.kind));
@@ -148,6 +150,10 @@ class Writer {
       if (geometry.model != kNoIndex) text += ", body " + type_.models[index(geometry.model)].name;
       if (geometry.beam != kNoIndex) text += ", " + beam(type_.beams[index(geometry.beam)]);
       if (geometry.laser != kNoIndex) text += ", " + laser(type_.lasers[index(geometry.laser)]);
+      for (const fixtures::Screen& screen : screens) {
+        if (&mode.geometries[index(screen.geometry)] != &geometry) continue;
+        text += fmt::format(", {:.4g} x {:.4g} m, dark without content in a rig file", screen.width_m, screen.height_m);
+      }
       if (geometry.mirror_ball != kNoIndex) text += ", " + mirrors(type_.mirror_balls[index(geometry.mirror_ball)]);
       line(2 + std::min(depths.back(), 20), "{}", text);
     }

@@ -78,6 +78,16 @@ std::vector<std::string> DisplayVideos::take_news() {
   return news;
 }
 
+bool same_videos(const fixtures::Rig& a, const fixtures::Rig& b) {
+  for (std::size_t i = 0; i < std::max(a.displays.size(), b.displays.size()); ++i) {
+    const auto is_film = [&](const fixtures::Rig& rig) {
+      return i < rig.displays.size() && fixtures::shows_film(rig.displays[i]);
+    };
+    if (is_film(a) != is_film(b) || (is_film(a) && !same_film(a.displays[i], b.displays[i]))) return false;
+  }
+  return true;
+}
+
 Status hold_videos(fixtures::Rig& rig, DurationNs show_ns) {
   for (fixtures::Display& display : rig.displays) {
     if (!fixtures::shows_film(display)) continue;

@@ -42,6 +42,9 @@ class DisplayVideos {
   std::vector<Feed> feeds_;
 };
 
+// Whether both rigs have the same videos, in the same pixels, at the same displays.
+[[nodiscard]] bool same_videos(const fixtures::Rig& a, const fixtures::Rig& b);
+
 // Replaces the videos of displays by the picture of each at a time of the show, which then stands: for the judge.
 [[nodiscard]] Status hold_videos(fixtures::Rig& rig, DurationNs show_ns);
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "fixtures/displays/pixel_slots.h"
+#include "fixtures/displays/screens.h"
 #include "fixtures/edit/patch_slots.h"
 #include "fixtures/simulate/vrsl_compat.h"
 #include "tools/footlight/pictures/start_view.h"
@@ -104,6 +105,7 @@ Status EditedScene::remake(std::vector<int> ids, std::uint64_t revision, const S
   SharedScene next =
       free != held_.end() ? *free : std::make_shared<PreviewScene>(PreviewScene{base_, {}, {}, types_, 0, {}, {}});
   next->rig.fixtures = file_.rig().fixtures;
+  fixtures::place_screens(next->rig);
   if (std::exchange(next->types, types_) != types_) next->rig.types = base_.types;
   next->revision = revision;
   next->ids = std::move(ids);

@@ -185,6 +185,11 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       if ((*made)->player) player_ = std::move((*made)->player);
       curve_.reset();
       const SharedScene before = std::exchange(framed_, std::exchange(making_scene_, nullptr));
+      if (!same_videos(before->rig, framed_->rig)) {  // a fixture with a video as its content came or went
+        auto videos = DisplayVideos::open(framed_->rig, ClipPace::kAhead);
+        if (!videos) tell(tr_known(videos.error().message), true);
+        videos_ = videos ? std::move(*videos) : DisplayVideos();
+      }
       FL_TRY(take_scene(*before));
       facts_.edit_to_frame_ms = static_cast<double>(clock_.now_ns() - made_begun_ns_) * 1e-6;
     } else {
