@@ -26,6 +26,7 @@ OutputsView two_outputs() {
   view.rows.resize(2);
   view.rows[0].endpoint = "sacn:1-2";
   view.rows[0].universes = {1, 2};
+  view.rows[1].id = 1;
   view.rows[1].endpoint = "enttec-pro:EN1";
   view.rows[1].universes = {1};
   return view;
@@ -33,12 +34,15 @@ OutputsView two_outputs() {
 
 class Ui : public testing::DrawnUi {
  public:
-  explicit Ui(OutputsView* view = nullptr, float width = 1280, float height = 720)
+  explicit Ui(OutputsView* view = nullptr, float width = 1280, float height = 720, float of_scale = 1)
       : imgui(width, height),
+        scale(of_scale),
         rig(testing::compiled_rig(testing::parsed_rig(testing::kUiRig))),
         desk(rig.rig, rig.compiled),
         levels(rig.compiled.universes.size() * kSlotCountMax),
         outputs(view) {
+    ImGui::GetIO().FontGlobalScale = scale;
+    ImGui::GetStyle().ScaleAllSizes(scale);
     open.set_open(kDevices, true, desk);
     for (int i = 0; i < 3; ++i) frame();
   }
@@ -50,6 +54,7 @@ class Ui : public testing::DrawnUi {
     input.now_ns = now_ns += kNsPerS / 60;
     input.outputs = outputs;
     input.inputs = inputs;
+    input.scale = scale;
     open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
   }
   static ImRect place(const char* window) {
@@ -77,6 +82,7 @@ class Ui : public testing::DrawnUi {
   }
 
   testing::HeadlessImGui imgui;
+  float scale;
   testing::UiRig rig;
   UiDesk desk;
   UiPanels open;
@@ -190,7 +196,7 @@ TEST_CASE("clicks anywhere in the panel arm nothing: a question comes, whose but
   ui.click_over(left, true, [&] { return !view.arm.empty(); });  // up to the tick
   CHECK(view.arm.empty());
   CHECK(ui.click_over(button, true, [&] { return !view.arm.empty(); }));
-  CHECK(view.arm == std::vector<std::size_t>{0, 1});  // the first button is that of all
+  CHECK(view.arm == std::vector<OutputId>{0, 1});  // the first button is that of all
   ui.frame();
   CHECK(!Ui::asks());
 }
@@ -242,7 +248,7 @@ TEST_CASE("armed outputs are disarmed and blacked out by one click") {
   bool darkened = false;
   ui.click_over(Ui::body(), false, [&] {
     if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);
-    disarmed = disarmed || view.disarm == std::vector<std::size_t>{1};
+    disarmed = disarmed || view.disarm == std::vector<OutputId>{1};
     darkened = darkened || view.blackout == true;
     view.disarm.clear();
     view.blackout.reset();
@@ -336,12 +342,13 @@ TEST_CASE("an endpoint that is typed becomes an input, or an output, with Enter"
     enter();
     return field;
   };
-  const ImGuiID first = type_into_field(0, "sacn:1-2");
-  CHECK(inputs.add == "sacn:1-2");
-  CHECK(!view.add);
-  (void)type_into_field(first, "sacn:2%lo");
+  const ImGuiID first = type_into_field(0, "sacn:2%lo");
   CHECK(view.add == "sacn:2%lo");
   CHECK(!inputs.add);
+  (void)type_into_field(first, "sacn:1-2");
+  CHECK(inputs.add == "sacn:1-2");
+  CHECK(!view.add);
+  inputs.add.reset();
   inputs.refusal = "sacn:1-2: no such thing";
   view.refusal = "sacn:2%lo: it is in the list already";
   const std::string words = ui.words();
@@ -466,6 +473,7 @@ TEST_CASE("an interface or an output that is dragged to a universe is patched to
   view.rows[0].endpoint = "enttec-pro:EN2=3";
   view.rows[0].universes = {3};
   view.rows[0].can_move = true;
+  view.rows[1].id = 1;
   view.rows[1].endpoint = "sacn:3";
   view.rows[1].universes = {3};
   Ui ui(&view);
@@ -480,8 +488,8 @@ TEST_CASE("an interface or an output that is dragged to a universe is patched to
       ui.drag({body.Min.x + 30, from}, {body.Min.x + 24, to});
       if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);
       added = added || view.add == "enttec-pro:EN1=3";
-      moved = moved || (view.move && view.move->row == 0 && view.move->to == 3);
-      CHECK(!(view.move && view.move->row == 1));  // its endpoint names its universes
+      moved = moved || (view.move && view.move->id == 0 && view.move->to == 3);
+      CHECK(!(view.move && view.move->id == 1));  // its endpoint names its universes
     }
   }
   CHECK(added);
@@ -523,7 +531,7 @@ TEST_CASE("an output that is off is removed by one click, and a live one after a
     for (int i = 0; i < 3; ++i) ui.frame();
   };
   remove(0);
-  CHECK(view.remove == std::vector<std::size_t>{0});
+  CHECK(view.remove == std::vector<OutputId>{0});
   CHECK(!Ui::asks());
   view.remove.clear();
   remove(1);
@@ -537,7 +545,7 @@ TEST_CASE("an output that is off is removed by one click, and a live one after a
   remove(1);
   testing::activate("###Remove a live output?", {"###Remove it"});
   for (int i = 0; i < 3; ++i) ui.frame();
-  CHECK(view.remove == std::vector<std::size_t>{1});
+  CHECK(view.remove == std::vector<OutputId>{1});
   CHECK(!Ui::asks());
 }
 
@@ -554,8 +562,9 @@ TEST_CASE("a question about an output that leaves the list meanwhile is closed")
   for (int i = 0; i < 3; ++i) ui.frame();
   view = two_outputs();
   view.rows.push_back(view.rows[1]);
+  view.rows[2].id = 2;
   view.rows[2].endpoint = "enttec-pro:EN2";
-  const int row = 1;  // after it another output has this row
+  const OutputId row = 1;
   const ImGuiID table = ImHashStr("outputs", 0, ImGui::FindWindowByName("###Devices")->ID);
   ui.frame();
   ImGui::ActivateItem(ImHashStr("###arm ...", 0, ImHashData(&row, sizeof(row), table)));
@@ -563,8 +572,109 @@ TEST_CASE("a question about an output that leaves the list meanwhile is closed")
   REQUIRE(Ui::asks());
   view.rows.erase(view.rows.begin());
   for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(Ui::asks());  // another one left the list, and its row has moved
+  view.rows.erase(view.rows.begin());
+  for (int i = 0; i < 3; ++i) ui.frame();
   CHECK(!Ui::asks());
   CHECK(view.arm.empty());
+}
+
+ImGuiID output_item(OutputId id, const char* label) {
+  const ImGuiID table = ImHashStr("outputs", 0, ImGui::FindWindowByName("###Devices")->ID);
+  return ImHashStr(label, 0, ImHashData(&id, sizeof(id), table));
+}
+ImGuiID input_item(const char* endpoint, const char* label) {
+  const ImGuiID table = ImHashStr("inputs", 0, ImGui::FindWindowByName("###Devices")->ID);
+  return ImHashStr(label, 0, ImHashStr(endpoint, 0, table));
+}
+
+TEST_CASE("no button of an output or an input moves when an output is armed, something fails or an input comes") {
+  OutputsView view = two_outputs();
+  view.universes = {1, 2};
+  InputsView inputs;
+  inputs.inputs = {"sacn:1", "mock:chase"};
+  inputs.made_up = {"mock:chase"};
+  Ui ui(&view, 1280, 1000);
+  ui.inputs = &inputs;
+  for (int i = 0; i < 3; ++i) ui.frame();
+  const auto at = [&](ImVec2 place) {
+    ImGui::GetIO().MousePos = place;
+    for (int i = 0; i < 2; ++i) ui.frame();
+    return ImGui::GetHoveredID();
+  };
+  const auto place_of = [&](ImGuiID item) {
+    const ImRect body = Ui::body();
+    for (float y = body.Min.y; y < body.Max.y; y += 4) {
+      for (float x = body.Max.x; x > body.Min.x; x -= 16) {
+        if (at({x, y}) == item) return ImVec2(x, y);
+      }
+    }
+    return ImVec2(-1, -1);
+  };
+  const std::vector<ImGuiID> items{output_item(0, "###remove"), output_item(1, "###remove"),
+                                   output_item(1, "###arm ..."), input_item("sacn:1", "###remove"),
+                                   input_item("mock:chase", "###remove")};
+  std::vector<ImVec2> places;
+  for (const ImGuiID item : items) {
+    places.push_back(place_of(item));
+    REQUIRE(places.back().x > 0);
+  }
+  PumpStatus status;
+  status.stamp_ns = 10 * kNsPerS;
+  status.ports.resize(2);
+  status.ports[0].name = "by hand";
+  status.ports[0].trouble = "a trouble of some words";
+  status.ports[1].name = "sacn:1";
+  ui.status = &status;
+  inputs.by_hand = "3 slots by hand";
+  inputs.dark_by_hand = true;
+  inputs.refusal = "sacn:7: no such thing";
+  inputs.why_not = "Disarm the outputs to add inputs: real lamps would follow them.";
+  view.refusal = "sacn:9: none of the rig";
+  view.notice = "enttec-pro:EN1: armed: it sends the levels of the picture to real lamps";
+  view.darkness = Darkness::kSilence;
+  view.rows[0].trouble = "sacn:1-2: no route";
+  view.rows[0].left_out = {2};
+  view.rows[0].state = ArmState::kArmed;
+  view.rows[0].status = PortStatus{.name = "sacn:1-2", .is_sink = true, .state = PortState::kGone};
+  view.rows[0].status->latency.count = 7;
+  view.rows[0].status->figures.push_back({"break_us", 176.4});
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    INFO(i);
+    CHECK(at(places[i]) == items[i]);
+  }
+  view.rows[1].state = ArmState::kArmed;
+  CHECK(at(places[2]) == output_item(1, "###disarm"));
+  view.rows[1].state = ArmState::kClosing;  // a second click on `disarm` does not fall on `remove`
+  CHECK(at(places[1]) == items[1]);
+}
+
+TEST_CASE("the endpoint of an armed output can be read beside all its figures, and whole under the mouse") {
+  for (const float scale : {1.0f, 2.0f}) {
+    INFO(scale);
+    OutputsView view = two_outputs();
+    view.rows[1].endpoint = "mock:enttec-pro=3";
+    view.rows[1].made_up = true;
+    view.rows[1].state = ArmState::kArmed;
+    view.rows[1].status = PortStatus{.name = "mock:enttec-pro=3", .is_sink = true, .state = PortState::kWorking};
+    view.rows[1].status->frames = 4'711;
+    view.rows[1].status->latency.count = 7;
+    view.rows[1].status->figures.push_back({"break_us", 176.4});
+    Ui ui(&view, 1280 - 264 * scale, 720, scale);  // beside the side panel
+    const ImGuiTable* const table =
+        ImGui::TableFindByID(ImHashStr("outputs", 0, ImGui::FindWindowByName("###Devices")->ID));
+    REQUIRE(table != nullptr);
+    CHECK(table->Columns[0].WidthGiven >= ImGui::GetFontSize() * 7 / 13 * 17);  // of the test's font, 17 letters
+    const ImGuiWindow* const panel = ImGui::FindWindowByName("###Devices");
+    bool tip = false;
+    for (float y = panel->Pos.y; y < panel->Pos.y + panel->Size.y && !tip; y += 4) {
+      ImGui::GetIO().MousePos = {table->Columns[0].MinX + 8, y};
+      ui.frame();
+      const std::string words = ui.words();
+      tip = has(words, "mock:enttec-pro=3 (made up)") && has(words, "4711 frames");
+    }
+    CHECK(tip);
+  }
 }
 
 TEST_CASE("the band names what is live, and a blackout") {

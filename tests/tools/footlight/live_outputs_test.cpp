@@ -274,9 +274,10 @@ TEST_CASE("an output that is removed while it is live ends dark, is closed, and 
   CHECK(window.wires[0]->closed_count() == 1);
   CHECK(window.view.rows[0].endpoint == "artnet:1");
   CHECK(window.armed(0));
-  window.view.disarm = {0};
+  CHECK(window.view.rows[0].id == 1);
+  window.view.disarm = {1};
   REQUIRE(window.until(200, [&] { return window.off(0); }));
-  window.view.remove = {0};
+  window.view.remove = {1};
   window.picture(200);
   CHECK(window.view.rows.empty());
   auto plan = plan_outputs(std::vector<std::string>{"sacn:1-2"}, scene_of(kUiRig));
@@ -285,6 +286,72 @@ TEST_CASE("an output that is removed while it is live ends dark, is closed, and 
   window.picture(200);
   REQUIRE(window.view.rows.size() == 1);
   CHECK(window.off(0));
+}
+
+TEST_CASE("what is asked of an output that has left the list is done to no other one") {
+  Window window({"sacn:1-2", "enttec-pro=1", "enttec-pro:EN7=1"});
+  const std::vector<OutputRow> before = window.view.rows;
+  window.view.remove = {before[0].id};
+  window.picture(200);
+  REQUIRE(window.view.rows.size() == 2);
+  CHECK(window.view.rows[0].id == before[1].id);
+  window.view.remove = {before[0].id};  // a click of the turn before
+  window.view.arm = {before[0].id};
+  window.picture(200);
+  REQUIRE(window.view.rows.size() == 2);
+  CHECK(window.off(0));
+  CHECK(window.off(1));
+  auto plan = plan_outputs(std::vector<std::string>{"enttec-pro:EN8=2"}, scene_of(kUiRig));
+  REQUIRE(plan);
+  const Status gone = window.outputs->replace(before[0].id, plan->outputs[0]);
+  REQUIRE(!gone);
+  CHECK(gone.error().message.find("removed meanwhile") != std::string::npos);
+  REQUIRE(window.outputs->replace(before[2].id, plan->outputs[0]));
+  window.picture(200);
+  CHECK(window.view.rows[1].id == before[2].id);
+  CHECK(window.view.rows[1].endpoint == "enttec-pro:EN8=2");
+}
+
+TEST_CASE("the next window has an output that was removed and added again, and none that was removed") {
+  Window window;
+  const auto planned = [](const char* text) {
+    return plan_outputs(std::vector<std::string>{text}, scene_of(kUiRig)).value().outputs[0];
+  };
+  window.view.remove = {0};
+  window.picture(200);
+  CHECK(window.view.staying() == std::vector<std::string>{"artnet:1"});
+  REQUIRE(window.outputs->add(planned("sacn:1-2")));
+  window.picture(200);
+  CHECK(window.view.staying() == std::vector<std::string>{"artnet:1", "sacn:1-2"});
+  window.view.arm = {1};
+  REQUIRE(window.until(200, [&] { return window.armed(0); }));
+  window.view.remove = {1};
+  window.picture(200);  // it ends dark, and is still in the list
+  CHECK(window.view.staying() == std::vector<std::string>{"sacn:1-2"});
+}
+
+TEST_CASE("after the last output is removed there is no blackout, and one for another universe can be added") {
+  Window window({"sacn:1-2"});
+  window.view.blackout = true;
+  window.view.remove = {0};
+  CHECK(!end_without_outputs(window.outputs, window.view));
+  window.picture(200);
+  CHECK(window.view.darkness == Darkness::kAsked);
+  CHECK(end_without_outputs(window.outputs, window.view));
+  CHECK(window.outputs == nullptr);
+  CHECK(window.view.darkness == Darkness::kNone);
+  CHECK(live_words(window.view).empty());
+  PreviewScene scene = scene_of(kUiRig);
+  scene.own_universes = {9};  // as after an edit of the rig
+  auto plan = plan_outputs(std::vector<std::string>{"sacn:9"}, scene);
+  REQUIRE(plan);
+  auto again = LiveOutputs::start(
+      std::move(*plan), [&](const PlannedOutput& output) { return window.open(output); }, window.clock);
+  REQUIRE(again);
+  (*again)->follow(window.view);
+  REQUIRE(window.view.rows.size() == 1);
+  CHECK(window.view.rows[0].endpoint == "sacn:9");
+  CHECK(window.view.darkness == Darkness::kNone);
 }
 
 TEST_CASE("an output that is removed while it opens is never armed") {

@@ -19,6 +19,7 @@ struct PreviewOptions {
   SceneFiles files;
   std::vector<std::string> ins;      // endpoints; if there are any but controls, no log drives the rig
   std::vector<std::string> outputs;  // endpoints to real lamps; each sends nothing until the user arms it
+  bool outputs_stay = false;         // they are those of the window before: one that does not fit the rig is left out
   bool hold_to_live = false;         // outputs are live only while a key is held
   std::string socket = "auto";       // for commands by hand: a file, auto or none
   std::string compare;               // log whose levels are compared with those of the window; empty: none

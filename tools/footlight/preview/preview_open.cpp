@@ -157,7 +157,7 @@ Result<bool> Preview::open(const StopSignal& signal) {
   const auto take_rig = [&]() -> Status {
     FL_ASSIGN(camera, find_camera(framed_->rig, options_.camera));
     FL_TRY(take_lens(options_.camera_words, camera, lens_));
-    FL_TRY(open_outputs(options_.outputs));
+    FL_TRY(options_.outputs_stay ? keep_outputs(options_.outputs) : open_outputs(options_.outputs));
     FL_TRY(open_hand());
     return open_levels();
   };

@@ -82,8 +82,8 @@ class Preview {
     return desk_ ? std::optional(desk_->flashes()) : std::nullopt;
   }
 
-  // Outputs that the user has removed from the list: endpoints.
-  [[nodiscard]] const std::vector<std::string>& removed_outputs() const { return removed_outputs_; }
+  // Likewise those of outputs.
+  [[nodiscard]] std::vector<std::string> outputs() const { return outputs_view_.staying(); }
   [[nodiscard]] bool holds_to_live() const { return outputs_view_.needs_hold; }
 
   // The looks of the window, once it has opened.
@@ -202,6 +202,7 @@ class Preview {
 
   // Outputs to real lamps: preview_outputs.cpp.
   Status open_outputs(std::span<const std::string> texts);
+  Status keep_outputs(std::span<const std::string> texts);
   Status move_output(const OutputsView::Move& move);
   void drive_outputs();
   bool call_outputs(const UiCall& call);
@@ -352,7 +353,6 @@ class Preview {
   TimeNs step_ns_ = 0;                      // when the step that is given next begins, of live inputs and faders
   std::unique_ptr<LiveOutputs> outputs_;    // null: there are none
   OutputsView outputs_view_;
-  std::vector<std::string> removed_outputs_;
   std::optional<DamageWatch> compared_watch_;  // of compared_
   std::unique_ptr<ComparedLog> compared_;  // whose levels are A of the comparison; null: none
   TimeNs compared_since_ns_ = 0;           // without a log that plays: when it began

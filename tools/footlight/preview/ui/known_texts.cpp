@@ -282,6 +282,7 @@ constexpr const char* kForms[] = {
     tr_mark("there are {} screenshots in this folder; move some of them"),
     tr_mark("{}: it is in the list already"),
     tr_mark("{}: disarm it before it gets another universe"),
+    tr_mark("{}: the output was removed meanwhile; add it again"),
     tr_mark("{}: the rig did not use universe {} when its first output was added; start the window with --output {}"),
     tr_mark("--output {}: this is an input; use --in, or 'footlight run --in'"),
     tr_mark("--output {}: a window of its own is for 'footlight run --out {}'"),

@@ -26,7 +26,20 @@ bool OutputsView::any_on() const {
 
 void OutputsView::disarm_all() {
   disarm.clear();
-  for (std::size_t i = 0; i < rows.size(); ++i) disarm.push_back(i);
+  for (const OutputRow& row : rows) disarm.push_back(row.id);
+}
+
+const OutputRow* OutputsView::find(OutputId id) const {
+  const auto at = std::find_if(rows.begin(), rows.end(), [&](const OutputRow& row) { return row.id == id; });
+  return at == rows.end() ? nullptr : &*at;
+}
+
+std::vector<std::string> OutputsView::staying() const {
+  std::vector<std::string> endpoints;
+  for (const OutputRow& row : rows) {
+    if (!row.leaves) endpoints.push_back(row.endpoint);
+  }
+  return endpoints;
 }
 
 std::string live_words(const OutputsView& view) {
