@@ -392,7 +392,7 @@ TEST_CASE("a tag over the picture says what is made up, below the band of output
   // The place of what is drawn, or nothing.
   const auto tag = [&](float y) {
     ImGui::NewFrame();
-    draw_made_up_tag(made_up, 536, y);
+    draw_input_tags(made_up, 536, y);
     ImRect place(1e6f, 1e6f, -1e6f, -1e6f);
     for (const ImDrawVert& vertex : ImGui::GetForegroundDrawList()->VtxBuffer) place.Add(vertex.pos);
     ImGui::Render();
@@ -407,8 +407,67 @@ TEST_CASE("a tag over the picture says what is made up, below the band of output
   CHECK(tag(30).GetWidth() > 100);
   made_up.made_up.push_back("mock:sine");
   CHECK(made_up_words(made_up) == "MADE UP: 2 inputs");
-  made_up.dark_by_hand = true;  // a dark picture must say why
-  CHECK(made_up_words(made_up) == "BLACKOUT by hand");
+}
+
+TEST_CASE("a blackout by hand has a tag of its own with the way to end it, beside that of made-up inputs") {
+  const testing::HeadlessImGui imgui(800, 600);
+  InputsView inputs;
+  const auto tags_end = [&] {
+    ImGui::NewFrame();
+    const float below = draw_input_tags(inputs, 536, 0);
+    ImGui::Render();
+    return below;
+  };
+  CHECK(tags_end() == 0);
+  inputs.inputs = inputs.made_up = {"mock:chase"};
+  const float made_up = tags_end();
+  inputs.dark_by_hand = true;
+  CHECK(made_up_words(inputs) == "MADE UP: mock:chase");
+  CHECK(hand_blackout_words(inputs) == "BLACKOUT by hand");
+  CHECK(has(hand_blackout_end(), "footlight blackout off"));
+  CHECK(tags_end() > 2 * made_up);
+  OutputsView outputs = two_outputs();
+  outputs.darkness = Darkness::kAsked;
+  CHECK(has(blackout_words(outputs), "Shift+B ends the blackout of outputs"));  // and not the one by hand
+  CHECK(!has(hand_blackout_end(), "Shift+B"));
+}
+
+TEST_CASE("no tag covers the title of a panel or a line with buttons, wherever on the stage they are") {
+  testing::HeadlessImGui imgui(1280, 720);
+  OutputsView outputs = two_outputs();
+  outputs.rows[0].state = ArmState::kArmed;
+  outputs.darkness = Darkness::kAsked;
+  InputsView inputs;
+  inputs.inputs = inputs.made_up = {"mock:chase"};
+  inputs.dark_by_hand = true;
+  for (float left = -200; left < 1016; left += 40) {
+    for (const float width : {200.0f, 560.0f}) {
+      for (const bool titled : {true, false}) {
+        ImRect free;
+        for (int frame = 0; frame < 2; ++frame) {
+          ImGui::NewFrame();
+          ImGui::SetNextWindowPos({left, 8});
+          ImGui::SetNextWindowSize({width, titled ? 300.0f : 34.0f});
+          ImGui::Begin("one", nullptr, titled ? 0 : ImGuiWindowFlags_NoTitleBar);
+          const ImGuiWindow* const window = ImGui::GetCurrentWindow();
+          free = titled ? window->TitleBarRect() : window->Rect();
+          ImGui::End();
+          const float below = draw_live_band(outputs, 1016, 1);
+          draw_input_tags(inputs, 1016, below);
+          ImGui::Render();
+        }
+        // Corners of rectangles and letters; those of the frame around the window are at its edges.
+        free.Expand(-1);
+        const ImRect inside(16, 16, 1264, 704);
+        int covers = 0;
+        for (const ImDrawVert& vertex : ImGui::GetForegroundDrawList()->VtxBuffer) {
+          covers += inside.Contains(vertex.pos) && free.Contains(vertex.pos) ? 1 : 0;
+        }
+        INFO(left, " ", width, " ", titled);
+        CHECK(covers == 0);
+      }
+    }
+  }
 }
 
 TEST_CASE("what is set by hand is counted and released by one click, and its blackout is ended by one") {
@@ -688,17 +747,17 @@ TEST_CASE("the band names what is live, and a blackout") {
   CHECK(live_words(view) == "LIVE: 2 outputs");
   CHECK(blackout_words(view).empty());
   view.darkness = Darkness::kAsked;
-  CHECK(live_words(view) == "BLACKOUT: 2 outputs send zeros");
+  CHECK(live_words(view) == "BLACKOUT of outputs: 2 send zeros");
   CHECK(has(blackout_words(view), "Shift+B"));
   view.darkness = Darkness::kSilence;
   CHECK(has(blackout_words(view), "no levels for 2.5 s"));
   view.darkness = Darkness::kNotHeld;
-  CHECK(live_words(view) == "BLACKOUT: 2 outputs send zeros");
+  CHECK(live_words(view) == "BLACKOUT of outputs: 2 send zeros");
   CHECK(blackout_words(view) == "Lamps are live while End is held");
   view.rows[0].state = view.rows[1].state = ArmState::kOff;
   CHECK(live_words(view).empty());  // nothing waits for the key
   view.darkness = Darkness::kAsked;
-  CHECK(live_words(view) == "BLACKOUT: no output is armed");
+  CHECK(live_words(view) == "BLACKOUT of outputs: none is armed");
 }
 
 TEST_CASE("a box of the panel asks for the dead man's switch, in whose darkness a blackout can still be asked for") {

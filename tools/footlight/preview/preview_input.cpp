@@ -128,8 +128,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
   draw_toasts(messages_, begun_ns, {static_cast<float>(size.x), static_cast<float>(size.y)}, window_->ui_scale());
   const auto width = static_cast<float>(size.x);
   const float below = outputs_ ? draw_live_band(outputs_view_, width, window_->ui_scale()) : 0;
-  draw_made_up_tag(inputs_view_, width, below);
-  const float tags = made_up_words(inputs_view_).empty() ? below : below + 2 * ImGui::GetFontSize();
+  const float tags = draw_input_tags(inputs_view_, width, below);
   if (busy_mark_.draw(busy(), clock_.now_ns(), width, tags, window_->ui_scale())) cancel_busy();
   print_commands();
   if (recording_) draw_recording_mark(recording_->elapsed_ns(), window_->ui_scale());
@@ -270,6 +269,7 @@ void Preview::step_history(bool back) {
 
 void Preview::call(const UiCall& call) {
   const OutputsView* outputs = outputs_ ? &outputs_view_ : nullptr;
+  if (std::string why = why_still_dark(call); !why.empty()) return tell(std::move(why));
   if (std::string why = why_not(call, *desk_, player_ != nullptr, outputs); !why.empty()) return tell(std::move(why));
   if (auto news = run_on_desk(*desk_, call)) {
     if (!news->text.empty()) tell(std::move(news->text), news->wrong);

@@ -102,6 +102,12 @@ void Preview::drive_outputs() {
   (void)end_without_outputs(outputs_, outputs_view_);
 }
 
+// There are two blackouts, and Shift+B ends one of them: what to do where it is the other one that is on.
+std::string Preview::why_still_dark(const UiCall& call) const {
+  const bool ends_none = call.action == UiAction::kEndBlackout && !is_blackout(outputs_view_.darkness);
+  return ends_none && inputs_view_.dark_by_hand ? hand_blackout_end() : "";
+}
+
 // True if the call was for outputs.
 bool Preview::call_outputs(const UiCall& call) {
   const bool is_blackout = call.action == UiAction::kBlackout;

@@ -206,6 +206,7 @@ class Preview {
   Status move_output(const OutputsView::Move& move);
   void drive_outputs();
   bool call_outputs(const UiCall& call);
+  [[nodiscard]] std::string why_still_dark(const UiCall& call) const;
 
   // Inputs that come and go: preview_inputs.cpp.
   Status start_live(std::vector<std::unique_ptr<Source>> sources);

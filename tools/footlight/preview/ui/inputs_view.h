@@ -40,7 +40,10 @@ struct InputsView {
   bool stop_learning = false;
 };
 
-// "BLACKOUT by hand", "MADE UP: mock:chase", "MADE UP: 2 inputs"; empty: there is none.
+// "MADE UP: mock:chase", "MADE UP: 2 inputs"; empty: there is none.
 [[nodiscard]] std::string made_up_words(const InputsView& view);
+// "BLACKOUT by hand", and how it ends, which is not how that of outputs does; empty: there is none.
+[[nodiscard]] std::string hand_blackout_words(const InputsView& view);
+[[nodiscard]] std::string hand_blackout_end();
 
 }  // namespace footlight::tools

@@ -1,9 +1,13 @@
 #include "tools/footlight/preview/ui/live_band.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <imgui/imgui.h>
+#include <imgui/imgui_internal.h>  // where windows have their titles
 
 #include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
@@ -15,13 +19,62 @@ namespace {
 constexpr ImU32 kWhite = IM_COL32(255, 255, 255, 255);
 constexpr ImU32 kBlack = IM_COL32(0, 0, 0, 255);
 
-// Text of a size on a ground, around x, below y. Returns where it ends.
-float draw_tag(ImDrawList& draw, const std::string& words, float size, float x, float y, ImU32 ground, ImU32 colour) {
+constexpr float kLowLines = 4;  // a window without a title that is lower than this is covered by no tag
+
+// What tags leave free: titles of panels and of dialogs, and lines over the stage, which have buttons.
+std::vector<ImRect> kept_free() {
+  std::vector<ImRect> places;
+  for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows) {
+    constexpr ImGuiWindowFlags kOthers = ImGuiWindowFlags_ChildWindow | ImGuiWindowFlags_Tooltip;
+    if (!window->Active || window->Hidden || (window->Flags & kOthers) != 0) continue;
+    const bool titled = (window->Flags & ImGuiWindowFlags_NoTitleBar) == 0;
+    if (titled) {
+      places.push_back(window->TitleBarRect());
+    } else if ((window->Flags & ImGuiWindowFlags_NoInputs) == 0 &&
+               window->Size.y < kLowLines * ImGui::GetFontSize()) {
+      places.push_back(window->Rect());
+    }
+  }
+  return places;
+}
+
+// Where a tag of this size goes: the place nearest to the middle in the first row with room. Without any it covers what
+// is in the middle, since it must be seen.
+ImVec2 tag_place(ImVec2 size, float stage_width, float y) {
+  const std::vector<ImRect> taken = kept_free();
+  const float middle = (stage_width - size.x) / 2;
+  const float step = ImGui::GetFontSize() / 2;
+  for (float top = y; top + size.y < ImGui::GetIO().DisplaySize.y / 2; top += step) {
+    std::vector<float> lefts{middle};
+    for (const ImRect& one : taken) {
+      if (one.Max.y <= top || one.Min.y >= top + size.y) continue;
+      lefts.push_back(one.Min.x - size.x - 1);
+      lefts.push_back(one.Max.x + 1);
+    }
+    std::optional<float> best;
+    for (const float left : lefts) {
+      const ImRect place({left, top}, {left + size.x, top + size.y});
+      if (left != middle && (left < 0 || place.Max.x > stage_width)) continue;
+      const bool free =
+          std::none_of(taken.begin(), taken.end(), [&](const ImRect& one) { return one.Overlaps(place); });
+      if (free && (!best || std::abs(left - middle) < std::abs(*best - middle))) best = left;
+    }
+    if (best) return {*best, top};
+  }
+  return {middle, y};
+}
+
+// Text on a ground, at most as wide as the stage, not above y. Returns where it ends.
+float draw_tag(const std::string& words, float size, float stage_width, float y, ImU32 ground, ImU32 colour) {
   ImFont* font = ImGui::GetFont();
+  const float room = std::max(stage_width, 1.0f);
+  const float wide = font->CalcTextSizeA(size, 1e5f, 0, words.c_str()).x + size * 0.8f;
+  if (wide > room) size = std::max(size * room / wide, 1.0f);
   const ImVec2 needed = font->CalcTextSizeA(size, 1e5f, 0, words.c_str());
   const float pad = size * 0.4f;
-  const ImVec2 low{x - needed.x / 2 - pad, y};
-  const ImVec2 high{x + needed.x / 2 + pad, y + needed.y + pad};
+  const ImVec2 low = tag_place({needed.x + 2 * pad, needed.y + pad}, room, y);
+  const ImVec2 high{low.x + needed.x + 2 * pad, low.y + needed.y + pad};
+  ImDrawList& draw = *ImGui::GetForegroundDrawList();
   draw.AddRectFilled(low, high, ground);
   draw.AddText(font, size, {low.x + pad, low.y + pad / 2}, colour, words.c_str());
   return high.y;
@@ -45,17 +98,19 @@ float draw_live_band(const OutputsView& outputs, float stage_width, float scale)
     if (dark) frame(0, width / 2, kBlack);  // black and red: not to be taken for LIVE
   }
   const float text = ImGui::GetFontSize();
-  const float middle = std::max(stage_width, 1.0f) / 2;
-  if (!dark) return draw_tag(draw, words, text * 1.25f, middle, 0, kLiveColour, kWhite);
-  const float below = draw_tag(draw, words, text * 2, middle, 0, kBlack, kLiveColour);
-  return draw_tag(draw, blackout_words(outputs), text, middle, below, kBlack, kWhite);
+  if (!dark) return draw_tag(words, text * 1.25f, stage_width, 0, kLiveColour, kWhite);
+  const float below = draw_tag(words, text * 2, stage_width, 0, kBlack, kLiveColour);
+  return draw_tag(blackout_words(outputs), text, stage_width, below, kBlack, kWhite);
 }
 
-void draw_made_up_tag(const InputsView& made_up, float stage_width, float y) {
-  const std::string words = made_up_words(made_up);
-  if (words.empty()) return;
-  draw_tag(*ImGui::GetForegroundDrawList(), words, ImGui::GetFontSize() * 1.25f, std::max(stage_width, 1.0f) / 2, y,
-           kMadeUpColour, kBlack);
+float draw_input_tags(const InputsView& inputs, float stage_width, float y) {
+  const float text = ImGui::GetFontSize();
+  if (const std::string dark = hand_blackout_words(inputs); !dark.empty()) {
+    y = draw_tag(dark, text * 1.25f, stage_width, y, kBlack, kMadeUpColour);
+    y = draw_tag(hand_blackout_end(), text, stage_width, y, kBlack, kWhite);
+  }
+  const std::string made_up = made_up_words(inputs);
+  return made_up.empty() ? y : draw_tag(made_up, text * 1.25f, stage_width, y, kMadeUpColour, kBlack);
 }
 
 void draw_recording_mark(DurationNs elapsed_ns, float scale) {

@@ -1,4 +1,5 @@
-// The frame around the window while outputs to real lamps are armed or blacked out. Dear ImGui only.
+// What lies over everything else: the frame of armed outputs, and tags that say what the stage does not show. Tags
+// stand in the middle of the stage's upper edge, or beside it where a panel has its title there. Dear ImGui only.
 #pragma once
 
 #include "sim/core/clock.h"
@@ -7,15 +8,11 @@
 
 namespace footlight::tools {
 
-// Over everything else, in every state of the side panel. Takes no clicks. Without an armed output there is no frame,
-// and no text but that of a blackout. stage_width: of the picture, in units of the user interface.
-// Returns where its text ends, from the top of the window; 0 without one.
+// After all panels of the picture: their titles are not covered. stage_width: of the part of the window beside the side
+// panel. Both return where the lowest of their tags ends, in units of the user interface, or y if there is none.
 float draw_live_band(const OutputsView& outputs, float stage_width, float scale);
-
-// "MADE UP: mock:chase" over everything else, while there is a made-up input. Takes no clicks. y: of its upper edge.
-void draw_made_up_tag(const InputsView& made_up, float stage_width, float y);
-
-// A red dot with the time of a recording, at the top left over everything else.
+float draw_input_tags(const InputsView& inputs, float stage_width, float y);
+// At the top left: that what the fixtures get is recorded, and for how long.
 void draw_recording_mark(DurationNs elapsed_ns, float scale);
 
 }  // namespace footlight::tools

@@ -52,15 +52,15 @@ std::string live_words(const OutputsView& view) {
     return real ? trf_n("LIVE: {} output", "LIVE: {} outputs", count, count)
                 : trf_n("LIVE: {} output (made up)", "LIVE: {} outputs (made up)", count, count);
   }
-  if (count == 0) return tr("BLACKOUT: no output is armed");
-  return trf_n("BLACKOUT: {} output sends zeros", "BLACKOUT: {} outputs send zeros", count, count);
+  if (count == 0) return tr("BLACKOUT of outputs: none is armed");
+  return trf_n("BLACKOUT of outputs: {} sends zeros", "BLACKOUT of outputs: {} send zeros", count, count);
 }
 
 std::string blackout_words(const OutputsView& view) {
   switch (view.darkness) {
     case Darkness::kNone: return "";
-    case Darkness::kAsked: return tr("Shift+B ends it");
-    case Darkness::kSilence: return tr("The window gave no levels for 2.5 s. Shift+B ends it");
+    case Darkness::kAsked: return tr("Shift+B ends the blackout of outputs");
+    case Darkness::kSilence: return tr("The window gave no levels for 2.5 s. Shift+B ends the blackout of outputs");
     case Darkness::kNotHeld: return trf("Lamps are live while {} is held", tr(kHoldKeyName));
   }
   return "";

@@ -99,7 +99,7 @@ struct OutputsView {
   [[nodiscard]] std::vector<std::string> staying() const;
 };
 
-// "LIVE: 2 outputs", "LIVE: 1 output (made up)" where no lamp gets anything, "BLACKOUT: 2 outputs send
+// "LIVE: 2 outputs", "LIVE: 1 output (made up)" where no lamp gets anything, "BLACKOUT of outputs: 2 send
 // zeros"; empty if there is nothing to say: no output is armed, and there is no blackout.
 [[nodiscard]] std::string live_words(const OutputsView& view);
 // How a blackout ends, and why it began if the user did not ask for it; empty without one.
