@@ -506,6 +506,58 @@ TEST_CASE("with a made-up input the tempo is shown and tapped, and with a contro
   REQUIRE(ui.click_over(Ui::body(), false, [&] { return inputs.stop_learning; }));
 }
 
+TEST_CASE("of a locked window's requests of inputs and outputs those stay that arm, disarm and darken") {
+  OutputsView outputs = two_outputs();
+  outputs.arm = {0};
+  outputs.disarm = {1};
+  outputs.blackout = true;
+  CHECK(!outputs.drop_requests());
+  outputs.add = "sacn:3";
+  outputs.remove = {1};
+  outputs.move = OutputsView::Move{0, 2};
+  CHECK(outputs.drop_requests());
+  CHECK(!outputs.add);
+  CHECK(!outputs.move);
+  CHECK(outputs.remove.empty());
+  CHECK(outputs.arm == std::vector<OutputId>{0});
+  CHECK(outputs.disarm == std::vector<OutputId>{1});
+  CHECK(outputs.blackout == true);
+  InputsView inputs;
+  inputs.end_hand_blackout = true;
+  CHECK(!inputs.drop_requests());
+  const auto dropped = [&](auto ask) {
+    ask();
+    return inputs.drop_requests() && !inputs.drop_requests();
+  };
+  CHECK(dropped([&] { inputs.add = "sacn:1"; }));
+  CHECK(dropped([&] { inputs.remove = "sacn:1"; }));
+  CHECK(dropped([&] { inputs.move = InputsView::Move{"enttec-pro=1", 2}; }));
+  CHECK(dropped([&] { inputs.learn = "1.17"; }));
+  CHECK(dropped([&] { inputs.release_hand = true; }));
+  CHECK(dropped([&] { inputs.tap = true; }));
+  CHECK(inputs.end_hand_blackout);
+}
+
+TEST_CASE("a locked window has a blue frame and a tag at the top, inside the red frame of what is live") {
+  const testing::HeadlessImGui imgui(800, 600);
+  ImGui::NewFrame();
+  const float below = draw_lock(536, 1, 0);
+  std::vector<bool> edges(4);
+  bool tag = false;
+  for (const ImDrawVert& vertex : ImGui::GetForegroundDrawList()->VtxBuffer) {
+    if (vertex.col != IM_COL32(0, 114, 178, 255)) continue;
+    edges[0] = edges[0] || (vertex.pos.x > 7 && vertex.pos.x < 14);
+    edges[1] = edges[1] || (vertex.pos.y > 7 && vertex.pos.y < 14);
+    edges[2] = edges[2] || (vertex.pos.x > 786 && vertex.pos.x < 793);
+    edges[3] = edges[3] || (vertex.pos.y > 586 && vertex.pos.y < 593);
+    tag = tag || (vertex.pos.y <= below && vertex.pos.x > 150 && vertex.pos.x < 400);
+  }
+  ImGui::Render();
+  CHECK(edges == std::vector<bool>(4, true));
+  CHECK(tag);
+  CHECK(below > 10);
+}
+
 TEST_CASE("a recording is a red dot with its time at the top left") {
   const testing::HeadlessImGui imgui(800, 600);
   ImGui::NewFrame();

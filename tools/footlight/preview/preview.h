@@ -35,6 +35,7 @@ struct PreviewOptions {
   std::string language;              // "de"; empty: as the environment has it, "en": English
   std::optional<int> ui_percent;     // size of the user interface; default: as the settings have it
   std::optional<int> views;          // of the stage: 1, 2 or 4; default: as the settings have it
+  bool locked = false;               // nothing in the window edits the rig or sets levels
   bool handles = false;              // handles of the selected fixtures are shown at the start
   std::string device;
   std::string screenshot;               // PNG of the last frame; empty: none

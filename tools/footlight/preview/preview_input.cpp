@@ -99,6 +99,10 @@ void Preview::draw_ui(DurationNs dt_ns) {
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(size.x), static_cast<float>(size.y));
   }
+  if (desk_->locked()) {
+    const bool of_inputs = inputs_view_.drop_requests();
+    if (outputs_view_.drop_requests() || of_inputs) (void)desk_->refuses();
+  }
   const OutputsView* outputs = outputs_ ? &outputs_view_ : nullptr;
   const bool palette_open = palette_.is_open();
   if (const auto found = palette_.draw(*desk_, player_ != nullptr, outputs, window_->ui_scale())) {
@@ -128,7 +132,8 @@ void Preview::draw_ui(DurationNs dt_ns) {
   draw_toasts(messages_, begun_ns, {static_cast<float>(size.x), static_cast<float>(size.y)}, window_->ui_scale());
   const auto width = static_cast<float>(size.x);
   const float below = outputs_ ? draw_live_band(outputs_view_, width, window_->ui_scale()) : 0;
-  const float tags = draw_input_tags(inputs_view_, width, below);
+  float tags = draw_input_tags(inputs_view_, width, below);
+  if (desk_->locked()) tags = draw_lock(width, window_->ui_scale(), tags);
   if (busy_mark_.draw(busy(), clock_.now_ns(), width, tags, window_->ui_scale())) cancel_busy();
   print_commands();
   if (recording_) draw_recording_mark(recording_->elapsed_ns(), window_->ui_scale());

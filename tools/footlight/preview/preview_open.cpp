@@ -95,6 +95,7 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   show_exposure();
   FL_TRY(panels_.open_words(options_.panels, *desk_));
   desk_->set_handles(options_.handles);
+  desk_->set_locked(options_.locked);
   desk_->set_flashes(options_.flashes);
   note_recent();
   picture_haze_per_m_ = framed_->rig.haze.scattering_per_m;

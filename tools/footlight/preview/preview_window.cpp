@@ -535,6 +535,7 @@ void leave_to_next(PreviewOptions& options, const Preview& preview) {
   if (options.seconds > 0) options.seconds = std::max(options.seconds - preview.seconds(), kSecondsLeast);
   options.ins = preview.inputs();
   options.hold_to_live = preview.holds_to_live();
+  options.locked = preview.locked();
   options.outputs = preview.outputs();
   options.outputs_stay = true;
   if (const auto flashes = preview.flashes()) options.flashes = *flashes;

@@ -85,6 +85,7 @@ class Preview {
   // Likewise those of outputs.
   [[nodiscard]] std::vector<std::string> outputs() const { return outputs_view_.staying(); }
   [[nodiscard]] bool holds_to_live() const { return outputs_view_.needs_hold; }
+  [[nodiscard]] bool locked() const { return desk_ && desk_->locked(); }
 
   // The looks of the window, once it has opened.
   [[nodiscard]] const WindowSettings& settings() const { return settings_; }

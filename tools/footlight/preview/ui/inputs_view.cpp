@@ -4,6 +4,16 @@
 
 namespace footlight::tools {
 
+bool InputsView::drop_requests() {
+  const bool any = add || remove || move || release_hand || tap || learn;
+  add.reset();
+  remove.reset();
+  move.reset();
+  learn.reset();
+  release_hand = tap = false;
+  return any;
+}
+
 std::string made_up_words(const InputsView& view) {
   if (view.made_up.empty()) return "";
   const std::size_t count = view.made_up.size();

@@ -38,6 +38,9 @@ struct InputsView {
   bool tap = false;                  // of the tempo
   std::optional<std::string> learn;  // what the next control that moves is for, as "1.17"
   bool stop_learning = false;
+
+  // What a locked window refuses: all but the end of a blackout. True if there was something.
+  bool drop_requests();
 };
 
 // "MADE UP: mock:chase", "MADE UP: 2 inputs"; empty: there is none.

@@ -17,6 +17,7 @@ namespace footlight::tools {
 namespace {
 
 constexpr ImU32 kWhite = IM_COL32(255, 255, 255, 255);
+constexpr ImU32 kLockColour = IM_COL32(0, 114, 178, 255);  // the blue of Okabe and Ito
 constexpr ImU32 kBlack = IM_COL32(0, 0, 0, 255);
 
 constexpr float kLowLines = 4;  // a window without a title that is lower than this is covered by no tag
@@ -111,6 +112,17 @@ float draw_input_tags(const InputsView& inputs, float stage_width, float y) {
   }
   const std::string made_up = made_up_words(inputs);
   return made_up.empty() ? y : draw_tag(made_up, text * 1.25f, stage_width, y, kMadeUpColour, kBlack);
+}
+
+float draw_lock(float stage_width, float scale, float y) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const float inset = 8 * scale;  // the frame of outputs is as thick
+  const float thick = 3 * scale;
+  const float middle = inset + thick / 2;
+  ImDrawList& draw = *ImGui::GetForegroundDrawList();
+  draw.AddRect({middle, middle}, {size.x - middle, size.y - middle}, kLockColour, 0, 0, thick);
+  const float text = ImGui::GetFontSize() * 1.25f;
+  return draw_tag(tr("LOCKED: Ctrl+Shift+L unlocks"), text, stage_width, y, kLockColour, kWhite);
 }
 
 void draw_recording_mark(DurationNs elapsed_ns, float scale) {

@@ -12,6 +12,9 @@ namespace footlight::tools {
 // panel. Both return where the lowest of their tags ends, in units of the user interface, or y if there is none.
 float draw_live_band(const OutputsView& outputs, float stage_width, float scale);
 float draw_input_tags(const InputsView& inputs, float stage_width, float y);
+// That the window is locked, with the key that unlocks it: a tag, and a frame inside that of armed outputs. Returns as
+// the others.
+float draw_lock(float stage_width, float scale, float y);
 // At the top left: that what the fixtures get is recorded, and for how long.
 void draw_recording_mark(DurationNs elapsed_ns, float scale);
 

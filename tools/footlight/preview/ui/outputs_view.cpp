@@ -29,6 +29,14 @@ void OutputsView::disarm_all() {
   for (const OutputRow& row : rows) disarm.push_back(row.id);
 }
 
+bool OutputsView::drop_requests() {
+  const bool any = add || move || !remove.empty();
+  add.reset();
+  move.reset();
+  remove.clear();
+  return any;
+}
+
 const OutputRow* OutputsView::find(OutputId id) const {
   const auto at = std::find_if(rows.begin(), rows.end(), [&](const OutputRow& row) { return row.id == id; });
   return at == rows.end() ? nullptr : &*at;

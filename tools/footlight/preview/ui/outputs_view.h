@@ -93,6 +93,8 @@ struct OutputsView {
   // Some output is armed, or will be.
   [[nodiscard]] bool any_on() const;
   void disarm_all();
+  // What a locked window refuses: outputs that come, go or get another universe. True if there was something.
+  bool drop_requests();
   // nullptr: it has left the list.
   [[nodiscard]] const OutputRow* find(OutputId id) const;
   // The endpoints of those that stay in the list, as they are now, for a window that follows.
