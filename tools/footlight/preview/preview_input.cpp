@@ -132,6 +132,7 @@ void Preview::draw_ui(DurationNs dt_ns) {
   draw_toasts(messages_, begun_ns, {static_cast<float>(size.x), static_cast<float>(size.y)}, window_->ui_scale());
   const auto width = static_cast<float>(size.x);
   const float below = outputs_ ? draw_live_band(outputs_view_, width, window_->ui_scale()) : 0;
+  draw_first_wait(times_.count(), last_ns_ - start_ns_, width);
   float tags = draw_input_tags(inputs_view_, width, below);
   if (desk_->locked()) tags = draw_lock(width, window_->ui_scale(), tags);
   if (busy_mark_.draw(busy(), clock_.now_ns(), width, tags, window_->ui_scale())) cancel_busy();
