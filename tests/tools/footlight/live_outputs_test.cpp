@@ -15,10 +15,12 @@
 
 #include "drivers/mock/enttec_pro_model.h"
 #include "drivers/mock/mock_usb.h"
+#include "fixtures/edit/patch_slots.h"
 #include "sim/system_clock.h"
 #include "tests/tools/footlight/ui_rigs.h"
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/preview/live_outputs.h"
+#include "tools/footlight/preview/ui/rig_index.h"
 
 namespace footlight::tools {
 namespace {
@@ -513,6 +515,33 @@ TEST_CASE("devices that are plugged in can be outputs only if they are ready and
   CHECK(plugged[1].fix == "not yours: sudo install the rules");
   CHECK(!plugged[2].can_send);
   CHECK(!plugged[3].can_send);
+}
+
+TEST_CASE("what an edit deletes is dark in the next picture of the rig from before, but for slots that others share") {
+  PreviewScene before = scene_of(kUiRig);
+  for (std::size_t i = 0; i < before.rig.fixtures.size(); ++i) before.ids.push_back(static_cast<int>(i));
+  const std::vector<std::uint8_t> full(before.compiled.universes.size() * kSlotCountMax, 200);
+  const RigIndex slots(before.rig, before.compiled);
+  std::vector<std::uint8_t> levels = full;
+  darken_deleted(before, before, levels);
+  CHECK(levels == full);
+  PreviewScene after;
+  after.ids = {before.ids[0], before.ids[2]};
+  darken_deleted(before, after, levels);
+  const auto raw = [&](int fixture) { return slots.read({fixture, 0}, levels); };
+  CHECK(raw(0) == slots.read({0, 0}, full));
+  CHECK(raw(1) == 0);
+  CHECK(raw(2) == slots.read({2, 0}, full));
+  after.ids.clear();
+  darken_deleted(before, after, levels);
+  for (std::size_t i = 0; i < before.rig.fixtures.size(); ++i) CHECK(raw(static_cast<int>(i)) == 0);
+  before.rig.fixtures[1] = before.rig.fixtures[0];  // both at one address
+  fixtures::share_conflicting_addresses(before.rig);
+  before.compiled = testing::taken(fixtures::compile(before.rig));
+  after.ids = {before.ids[0]};
+  levels = full;
+  darken_deleted(before, after, levels);
+  CHECK(RigIndex(before.rig, before.compiled).read({0, 0}, levels) == slots.read({0, 0}, full));
 }
 
 TEST_CASE("a rig whose fixtures have no address has no universe of its own, whatever its faders use") {

@@ -180,6 +180,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       videos_.show_all_again();
       if ((*made)->player) player_ = std::move((*made)->player);
       curve_.reset();
+      first_of_edit_ = true;
       const SharedScene before = std::exchange(framed_, std::exchange(making_scene_, nullptr));
       FL_TRY(take_scene(*before));
       facts_.edit_to_frame_ms = static_cast<double>(clock_.now_ns() - made_begun_ns_) * 1e-6;

@@ -295,6 +295,7 @@ Status Preview::read_picture() {
   picture_since_ns_ = last_ns_;
   times_.add(picture_ms);
   ++second_frames_;
+  first_of_edit_ = false;
   FL_ASSIGN(auto passes, frame_->read_times());
   double gpu_ms = 0;
   for (const auto& pass : passes) gpu_ms += pass.gpu_ms;

@@ -436,6 +436,7 @@ class Preview {
   SharedScene making_scene_;                           // of it
   SharedScene failed_;                                 // of which no frame can be made
   TimeNs made_begun_ns_ = 0;
+  bool first_of_edit_ = false;  // the frame of an edited rig is there, and no picture of it yet
   std::unique_ptr<Autosave> autosave_;
   std::optional<FolderClaim> recovered_;  // of the copy that the rig was read from
   std::uint64_t saved_revision_ = 0;      // of the edited rig as it is in its file

@@ -50,6 +50,7 @@ class DevicesPanel final : public Panel {
       draw_all_outputs(input);
       if (const auto asked = draw_field("output", "enttec-pro=1", output_text_, tr_label("add an output")))
         input.outputs->add = asked;
+      draw_model(*input.outputs, input.scale);
       ImGui::Dummy({0, 4 * input.scale});
     }
     ui_text(kUiAmber, tr("Inputs"));
@@ -293,7 +294,6 @@ class DevicesPanel final : public Panel {
       if (!device.fix.empty()) draw_wrapped(kUiDim, device.fix);
       ImGui::PopID();
     }
-    draw_model(outputs);
     if (!outputs.universes.empty()) draw_universes(outputs, inputs);
   }
 
@@ -308,15 +308,16 @@ class DevicesPanel final : public Panel {
     if (ImGui::SmallButton(tr_label("add"))) outputs.add = fmt::format("{}={}", endpoint, chosen(outputs));
   }
 
-  // An interface that is none, to arm without lamps.
-  void draw_model(OutputsView& outputs) {
+  // An interface that is none, to arm without lamps. On the line of the field, if there is room.
+  void draw_model(OutputsView& outputs, float scale) {
     const auto at = std::find_if(outputs.rows.begin(), outputs.rows.end(),
                                  [](const OutputRow& row) { return row.endpoint.starts_with(kModel); });
     if (at != outputs.rows.end() || outputs.universes.empty()) return;
-    ui_text(kUiDim, tr("No interface at hand? A made-up one sends to no lamp:"));
-    ImGui::SameLine();
-    if (ImGui::SmallButton(tr_label("add a made-up interface")))
-      outputs.add = fmt::format("{}={}", kModel, chosen(outputs));
+    ImGui::SameLine(0, 16 * scale);
+    const char* const label = tr_label("add a made-up interface");
+    if (ImGui::GetContentRegionAvail().x < button_width({label})) ImGui::NewLine();
+    if (ImGui::SmallButton(label)) outputs.add = fmt::format("{}={}", kModel, chosen(outputs));
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", tr("A model inside the program: it sends to no lamp."));
     drag_endpoint(kDeviceDrag, kModel, std::string_view(kModel).size() + 1, kModel);
   }
 
