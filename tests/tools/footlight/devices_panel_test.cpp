@@ -387,15 +387,19 @@ TEST_CASE("a made-up interface is one click away, and is called so in its row an
   CHECK(has(question, "A made-up input moves them: mock:sine"));
 }
 
-TEST_CASE("a tag over the picture says what is made up, below the band of outputs") {
+TEST_CASE("a tag over the picture says what is made up, beside the one of outputs") {
   const testing::HeadlessImGui imgui(800, 600);
   InputsView made_up;
   // The place of what is drawn, or nothing.
   const auto tag = [&](float y) {
     ImGui::NewFrame();
-    draw_input_tags(made_up, 536, y);
+    StageTags tags(536);
+    if (y > 0) tags.draw({"LIVE", "", y, 1, 1});
+    const int before = ImGui::GetForegroundDrawList()->VtxBuffer.Size;
+    draw_input_tags(made_up, tags);
     ImRect place(1e6f, 1e6f, -1e6f, -1e6f);
-    for (const ImDrawVert& vertex : ImGui::GetForegroundDrawList()->VtxBuffer) place.Add(vertex.pos);
+    const auto& drawn = ImGui::GetForegroundDrawList()->VtxBuffer;
+    for (int i = before; i < drawn.Size; ++i) place.Add(drawn[i].pos);
     ImGui::Render();
     return place;
   };
@@ -403,9 +407,11 @@ TEST_CASE("a tag over the picture says what is made up, below the band of output
   CHECK(made_up_words(made_up).empty());
   made_up.inputs = made_up.made_up = {"mock:chase"};
   CHECK(made_up_words(made_up) == "MADE UP: mock:chase");
-  CHECK(tag(30).Min.y == doctest::Approx(30));
-  CHECK(tag(30).GetCenter().x == doctest::Approx(268).epsilon(0.01));
-  CHECK(tag(30).GetWidth() > 100);
+  CHECK(tag(0).Min.y == 0);
+  CHECK(tag(0).GetCenter().x == doctest::Approx(268).epsilon(0.01));
+  CHECK(tag(0).GetWidth() > 100);
+  CHECK(tag(30).Min.y == 0);  // beside another tag
+  CHECK(tag(30).GetCenter().x != doctest::Approx(268).epsilon(0.1));
   made_up.made_up.push_back("mock:sine");
   CHECK(made_up_words(made_up) == "MADE UP: 2 inputs");
 }
@@ -415,9 +421,10 @@ TEST_CASE("a blackout by hand has a tag of its own with the way to end it, besid
   InputsView inputs;
   const auto tags_end = [&] {
     ImGui::NewFrame();
-    const float below = draw_input_tags(inputs, 536, 0);
+    StageTags tags(536);
+    draw_input_tags(inputs, tags);
     ImGui::Render();
-    return below;
+    return tags.bottom();
   };
   CHECK(tags_end() == 0);
   inputs.inputs = inputs.made_up = {"mock:chase"};
@@ -426,14 +433,14 @@ TEST_CASE("a blackout by hand has a tag of its own with the way to end it, besid
   CHECK(made_up_words(inputs) == "MADE UP: mock:chase");
   CHECK(hand_blackout_words(inputs) == "BLACKOUT by hand");
   CHECK(has(hand_blackout_end(), "footlight blackout off"));
-  CHECK(tags_end() > 2 * made_up);
+  CHECK(tags_end() > 1.5f * made_up);
   OutputsView outputs = two_outputs();
   outputs.darkness = Darkness::kAsked;
   CHECK(has(blackout_words(outputs), "Shift+B ends the blackout of outputs"));  // and not the one by hand
   CHECK(!has(hand_blackout_end(), "Shift+B"));
 }
 
-TEST_CASE("no tag covers the title of a panel or a line with buttons, wherever on the stage they are") {
+TEST_CASE("no tag covers a panel or a line with buttons, wherever on the stage they are") {
   testing::HeadlessImGui imgui(1280, 720);
   OutputsView outputs = two_outputs();
   outputs.rows[0].state = ArmState::kArmed;
@@ -451,10 +458,12 @@ TEST_CASE("no tag covers the title of a panel or a line with buttons, wherever o
           ImGui::SetNextWindowSize({width, titled ? 300.0f : 34.0f});
           ImGui::Begin("one", nullptr, titled ? 0 : ImGuiWindowFlags_NoTitleBar);
           const ImGuiWindow* const window = ImGui::GetCurrentWindow();
-          free = titled ? window->TitleBarRect() : window->Rect();
+          free = window->Rect();
           ImGui::End();
-          const float below = draw_live_band(outputs, 1016, 1);
-          draw_input_tags(inputs, 1016, below);
+          StageTags tags(1016);
+          draw_live_band(outputs, tags, 1);
+          draw_input_tags(inputs, tags);
+          draw_lock(tags, 1);
           ImGui::Render();
         }
         // Corners of rectangles and letters; those of the frame around the window are at its edges.
@@ -542,15 +551,17 @@ TEST_CASE("of a locked window's requests of inputs and outputs those stay that a
 TEST_CASE("a locked window has a blue frame and a tag at the top, inside the red frame of what is live") {
   const testing::HeadlessImGui imgui(800, 600);
   ImGui::NewFrame();
-  const float below = draw_lock(536, 1, 0);
+  StageTags tags(536);
+  draw_lock(tags, 1);
+  const float below = tags.bottom();
   std::vector<bool> edges(4);
   bool tag = false;
   for (const ImDrawVert& vertex : ImGui::GetForegroundDrawList()->VtxBuffer) {
     if (vertex.col != IM_COL32(0, 114, 178, 255)) continue;
-    edges[0] = edges[0] || (vertex.pos.x > 7 && vertex.pos.x < 14);
-    edges[1] = edges[1] || (vertex.pos.y > 7 && vertex.pos.y < 14);
-    edges[2] = edges[2] || (vertex.pos.x > 786 && vertex.pos.x < 793);
-    edges[3] = edges[3] || (vertex.pos.y > 586 && vertex.pos.y < 593);
+    edges[0] = edges[0] || (vertex.pos.x > 3 && vertex.pos.x < 8);
+    edges[1] = edges[1] || (vertex.pos.y > 3 && vertex.pos.y < 8);
+    edges[2] = edges[2] || (vertex.pos.x > 792 && vertex.pos.x < 797);
+    edges[3] = edges[3] || (vertex.pos.y > 592 && vertex.pos.y < 597);
     tag = tag || (vertex.pos.y <= below && vertex.pos.x > 150 && vertex.pos.x < 400);
   }
   ImGui::Render();
@@ -834,7 +845,8 @@ TEST_CASE("the band is a red frame at the edges of the window, over everything, 
   // Whether something red is drawn at each edge of the window.
   const auto red_edges = [&] {
     ImGui::NewFrame();
-    draw_live_band(view, 536, 1);
+    StageTags tags(536);
+    draw_live_band(view, tags, 1);
     const ImDrawList& draw = *ImGui::GetForegroundDrawList();
     std::vector<bool> edges(4);
     for (const ImDrawVert& vertex : draw.VtxBuffer) {

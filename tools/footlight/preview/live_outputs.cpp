@@ -36,10 +36,10 @@ bool ready(const std::future<T>& future) {
 // What a change of darkness is told with; empty: nothing. Those of the dead man's switch are in the band.
 std::string words_of(Darkness now, Darkness before) {
   switch (now) {
-    case Darkness::kAsked: return "blackout: all armed outputs send zeros";
-    case Darkness::kSilence: return "blackout: the window gave no levels for 2.5 s; Shift+B ends it";
+    case Darkness::kAsked: return "blackout of outputs: all that are armed send zeros";
+    case Darkness::kSilence: return "blackout of outputs: the window gave no levels for 2.5 s; Shift+B ends it";
     case Darkness::kNotHeld: return "";
-    case Darkness::kNone: return before == Darkness::kNotHeld ? "" : "the blackout has ended";
+    case Darkness::kNone: return before == Darkness::kNotHeld ? "" : "the blackout of outputs has ended";
   }
   return "";
 }

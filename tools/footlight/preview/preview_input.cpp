@@ -131,11 +131,12 @@ void Preview::draw_ui(DurationNs dt_ns) {
   if (desk_->take_forgot()) tell(tr("undo needed more than a gibibyte: its oldest steps are forgotten"));
   draw_toasts(messages_, begun_ns, {static_cast<float>(size.x), static_cast<float>(size.y)}, window_->ui_scale());
   const auto width = static_cast<float>(size.x);
-  const float below = outputs_ ? draw_live_band(outputs_view_, width, window_->ui_scale()) : 0;
+  StageTags tags(width);
+  if (outputs_) draw_live_band(outputs_view_, tags, window_->ui_scale());
   draw_first_wait(times_.count(), last_ns_ - start_ns_, width);
-  float tags = draw_input_tags(inputs_view_, width, below);
-  if (desk_->locked()) tags = draw_lock(width, window_->ui_scale(), tags);
-  if (busy_mark_.draw(busy(), clock_.now_ns(), width, tags, window_->ui_scale())) cancel_busy();
+  draw_input_tags(inputs_view_, tags);
+  if (desk_->locked()) draw_lock(tags, window_->ui_scale());
+  if (busy_mark_.draw(busy(), clock_.now_ns(), width, tags.bottom(), window_->ui_scale())) cancel_busy();
   print_commands();
   if (recording_) draw_recording_mark(recording_->elapsed_ns(), window_->ui_scale());
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();

@@ -22,15 +22,14 @@ constexpr ImU32 kBlack = IM_COL32(0, 0, 0, 255);
 
 constexpr float kLowLines = 4;  // a window without a title that is lower than this is covered by no tag
 
-// What tags leave free: titles of panels and of dialogs, and lines over the stage, which have buttons.
-std::vector<ImRect> kept_free() {
+// What tags leave free. whole: panels and dialogs; else their titles only. Lines over the stage have buttons.
+std::vector<ImRect> kept_free(bool whole) {
   std::vector<ImRect> places;
   for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows) {
     constexpr ImGuiWindowFlags kOthers = ImGuiWindowFlags_ChildWindow | ImGuiWindowFlags_Tooltip;
     if (!window->Active || window->Hidden || (window->Flags & kOthers) != 0) continue;
-    const bool titled = (window->Flags & ImGuiWindowFlags_NoTitleBar) == 0;
-    if (titled) {
-      places.push_back(window->TitleBarRect());
+    if ((window->Flags & ImGuiWindowFlags_NoTitleBar) == 0) {
+      places.push_back(whole ? window->Rect() : window->TitleBarRect());
     } else if ((window->Flags & ImGuiWindowFlags_NoInputs) == 0 &&
                window->Size.y < kLowLines * ImGui::GetFontSize()) {
       places.push_back(window->Rect());
@@ -39,13 +38,11 @@ std::vector<ImRect> kept_free() {
   return places;
 }
 
-// Where a tag of this size goes: the place nearest to the middle in the first row with room. Without any it covers what
-// is in the middle, since it must be seen.
-ImVec2 tag_place(ImVec2 size, float stage_width, float y) {
-  const std::vector<ImRect> taken = kept_free();
+// The place nearest to the middle in the first row with room.
+std::optional<ImVec2> free_place(ImVec2 size, float stage_width, const std::vector<ImRect>& taken) {
   const float middle = (stage_width - size.x) / 2;
   const float step = ImGui::GetFontSize() / 2;
-  for (float top = y; top + size.y < ImGui::GetIO().DisplaySize.y / 2; top += step) {
+  for (float top = 0; top + size.y < ImGui::GetIO().DisplaySize.y; top += step) {
     std::vector<float> lefts{middle};
     for (const ImRect& one : taken) {
       if (one.Max.y <= top || one.Min.y >= top + size.y) continue;
@@ -60,32 +57,55 @@ ImVec2 tag_place(ImVec2 size, float stage_width, float y) {
           std::none_of(taken.begin(), taken.end(), [&](const ImRect& one) { return one.Overlaps(place); });
       if (free && (!best || std::abs(left - middle) < std::abs(*best - middle))) best = left;
     }
-    if (best) return {*best, top};
+    if (best) return ImVec2(*best, top);
   }
-  return {middle, y};
-}
-
-// Text on a ground, at most as wide as the stage, not above y. Returns where it ends.
-float draw_tag(const std::string& words, float size, float stage_width, float y, ImU32 ground, ImU32 colour) {
-  ImFont* font = ImGui::GetFont();
-  const float room = std::max(stage_width, 1.0f);
-  const float wide = font->CalcTextSizeA(size, 1e5f, 0, words.c_str()).x + size * 0.8f;
-  if (wide > room) size = std::max(size * room / wide, 1.0f);
-  const ImVec2 needed = font->CalcTextSizeA(size, 1e5f, 0, words.c_str());
-  const float pad = size * 0.4f;
-  const ImVec2 low = tag_place({needed.x + 2 * pad, needed.y + pad}, room, y);
-  const ImVec2 high{low.x + needed.x + 2 * pad, low.y + needed.y + pad};
-  ImDrawList& draw = *ImGui::GetForegroundDrawList();
-  draw.AddRectFilled(low, high, ground);
-  draw.AddText(font, size, {low.x + pad, low.y + pad / 2}, colour, words.c_str());
-  return high.y;
+  return std::nullopt;
 }
 
 }  // namespace
 
-float draw_live_band(const OutputsView& outputs, float stage_width, float scale) {
+// At most as wide as the stage.
+void StageTags::draw(const Tag& tag) {
+  ImFont* font = ImGui::GetFont();
+  const float room = std::max(stage_width_, 1.0f);
+  const auto fitting = [&](const std::string& words, float size) {
+    const float wide = font->CalcTextSizeA(size, 1e5f, 0, words.c_str()).x + size * 0.8f;
+    return wide > room ? std::max(size * room / wide, 1.0f) : size;
+  };
+  const float size = fitting(tag.words, tag.size);
+  const float small = fitting(tag.more, ImGui::GetFontSize());
+  const ImVec2 words = font->CalcTextSizeA(size, 1e5f, 0, tag.words.c_str());
+  const ImVec2 more = tag.more.empty() ? ImVec2(0, 0) : font->CalcTextSizeA(small, 1e5f, 0, tag.more.c_str());
+  const float pad = size * 0.4f;
+  const ImVec2 needed(std::max(words.x, more.x) + 2 * pad, words.y + more.y + pad);
+  std::optional<ImVec2> found;
+  for (const bool whole : {true, false}) {
+    std::vector<ImRect> taken = kept_free(whole);
+    for (const Place& one : taken_) taken.emplace_back(one.left, one.top, one.right, one.bottom);
+    if (!found) found = free_place(needed, room, taken);
+  }
+  const ImVec2 low = found.value_or(ImVec2((room - needed.x) / 2, bottom()));  // it must be seen
+  const ImVec2 high(low.x + needed.x, low.y + needed.y);
+  ImDrawList& draw = *ImGui::GetForegroundDrawList();
+  draw.AddRectFilled(low, high, tag.ground);
+  draw.AddText(font, size, {(low.x + high.x - words.x) / 2, low.y + pad / 2}, tag.colour, tag.words.c_str());
+  if (!tag.more.empty()) {
+    draw.AddText(font, small, {(low.x + high.x - more.x) / 2, low.y + pad / 2 + words.y}, kWhite, tag.more.c_str());
+  }
+  taken_.push_back({low.x, low.y, high.x, high.y});
+}
+
+float StageTags::bottom() const {
+  float lowest = 0;
+  for (const Place& one : taken_) {
+    if (one.top <= lowest) lowest = std::max(lowest, one.bottom);
+  }
+  return lowest;
+}
+
+void draw_live_band(const OutputsView& outputs, StageTags& tags, float scale) {
   const std::string words = live_words(outputs);
-  if (words.empty()) return 0;
+  if (words.empty()) return;
   ImDrawList& draw = *ImGui::GetForegroundDrawList();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const bool dark = outputs.darkness != Darkness::kNone;
@@ -99,30 +119,30 @@ float draw_live_band(const OutputsView& outputs, float stage_width, float scale)
     if (dark) frame(0, width / 2, kBlack);  // black and red: not to be taken for LIVE
   }
   const float text = ImGui::GetFontSize();
-  if (!dark) return draw_tag(words, text * 1.25f, stage_width, 0, kLiveColour, kWhite);
-  const float below = draw_tag(words, text * 2, stage_width, 0, kBlack, kLiveColour);
-  return draw_tag(blackout_words(outputs), text, stage_width, below, kBlack, kWhite);
-}
-
-float draw_input_tags(const InputsView& inputs, float stage_width, float y) {
-  const float text = ImGui::GetFontSize();
-  if (const std::string dark = hand_blackout_words(inputs); !dark.empty()) {
-    y = draw_tag(dark, text * 1.25f, stage_width, y, kBlack, kMadeUpColour);
-    y = draw_tag(hand_blackout_end(), text, stage_width, y, kBlack, kWhite);
+  if (dark) {
+    tags.draw({words, blackout_words(outputs), text * 2, kBlack, kLiveColour});
+  } else {
+    tags.draw({words, "", text * 1.25f, kLiveColour, kWhite});
   }
-  const std::string made_up = made_up_words(inputs);
-  return made_up.empty() ? y : draw_tag(made_up, text * 1.25f, stage_width, y, kMadeUpColour, kBlack);
 }
 
-float draw_lock(float stage_width, float scale, float y) {
+void draw_input_tags(const InputsView& inputs, StageTags& tags) {
+  const float text = ImGui::GetFontSize() * 1.25f;
+  if (const std::string dark = hand_blackout_words(inputs); !dark.empty()) {
+    tags.draw({dark, hand_blackout_end(), text, kBlack, kMadeUpColour});
+  }
+  if (const std::string made_up = made_up_words(inputs); !made_up.empty()) {
+    tags.draw({made_up, "", text, kMadeUpColour, kBlack});
+  }
+}
+
+void draw_lock(StageTags& tags, float scale) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  const float inset = 8 * scale;  // the frame of outputs is as thick
-  const float thick = 3 * scale;
-  const float middle = inset + thick / 2;
+  const float thick = 2 * scale;
+  const float middle = 4 * scale + thick / 2;  // inside the frame of outputs, and outside of panels
   ImDrawList& draw = *ImGui::GetForegroundDrawList();
   draw.AddRect({middle, middle}, {size.x - middle, size.y - middle}, kLockColour, 0, 0, thick);
-  const float text = ImGui::GetFontSize() * 1.25f;
-  return draw_tag(tr("LOCKED: Ctrl+Shift+L unlocks"), text, stage_width, y, kLockColour, kWhite);
+  tags.draw({tr("LOCKED: Ctrl+Shift+L unlocks"), "", ImGui::GetFontSize() * 1.25f, kLockColour, kWhite});
 }
 
 void draw_recording_mark(DurationNs elapsed_ns, float scale) {
