@@ -28,6 +28,7 @@ std::vector<ImRect> kept_free(bool whole) {
   for (const ImGuiWindow* window : ImGui::GetCurrentContext()->Windows) {
     constexpr ImGuiWindowFlags kOthers = ImGuiWindowFlags_ChildWindow | ImGuiWindowFlags_Tooltip;
     if (!window->Active || window->Hidden || (window->Flags & kOthers) != 0) continue;
+    if (window->IsFallbackWindow) continue;  // Dear ImGui's own, which is not drawn
     if ((window->Flags & ImGuiWindowFlags_NoTitleBar) == 0) {
       places.push_back(whole ? window->Rect() : window->TitleBarRect());
     } else if ((window->Flags & ImGuiWindowFlags_NoInputs) == 0 &&

@@ -1,5 +1,5 @@
-// What lies over everything else: the frame of armed outputs, and tags that say what the stage does not show. Dear ImGui
-// only.
+// What lies over everything else: the frame of armed outputs, and tags that say what the stage does not show. Dear
+// ImGui only.
 #pragma once
 
 #include <cstdint>
