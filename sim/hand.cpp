@@ -519,12 +519,9 @@ void HandShown::darken(std::span<const Universe> universes, std::span<std::uint8
 
 // --- Status ----------------------------------------------------------------------------------------------------------
 
-PortState HandSource::state() const {
-  const bool works = blacked_out() || std::any_of(boards_.begin(), boards_.end(), [](const auto& board) {
-                       return board->hand.sending || board->hand.priorities_changed;
-                     });
-  return works ? PortState::kWorking : PortState::kWaiting;
-}
+// Also while nothing is set: it waits for no device and no sender. A status may be two seconds old, so another state of
+// the first moment would be shown beside levels that are set.
+PortState HandSource::state() const { return PortState::kWorking; }
 
 std::string HandSource::sender_text(SenderId sender) const { return sender == kBlackoutSender ? "blackout" : ""; }
 

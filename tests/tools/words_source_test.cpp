@@ -105,6 +105,7 @@ bool is_no_text(std::string_view call) {
   static const std::set<std::string, std::less<>> kAll{
       // Ids of Dear ImGui and of panels.
       "ImGui::BeginChild", "ImGui::BeginTable", "ImGui::PushID", "ImGui::InvisibleButton", "ImGui::OpenPopup",
+      "begin_port_table", "draw_notes",
       "ImGui::BeginPopup", "ImGui::ArrowButton", "ImGui::BeginTabBar", "ImGui::ColorPicker3", "ImGui::Begin",
       "begin_line", "draw_field", "begin_table", "panel_of", "panels_.open_words",
       // Errors are English where they are made; tr_known() translates those of the window where it shows them.

@@ -1,9 +1,11 @@
 // What the window shows while its picture waits.
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <imgui/imgui.h>
+#include <imgui/imgui_internal.h>
 
 #include <doctest/doctest.h>
 
@@ -45,6 +47,27 @@ TEST_CASE("what the picture waits for is shown after half a second, with its sha
   ui.busy = {};
   CHECK(!has(ui.words(), "going to"));
   CHECK(!ui.mark.can_cancel());
+}
+
+TEST_CASE("before the first picture the stage says that shaders are compiled, and with it the words are gone") {
+  const testing::HeadlessImGui imgui(904, 600);
+  const auto drawn = [&](std::uint64_t pictures, DurationNs waited_ns) {
+    ImGui::NewFrame();
+    draw_first_wait(pictures, waited_ns, 640);
+    ImRect place(1e6f, 1e6f, -1e6f, -1e6f);
+    for (const ImDrawVert& vertex : ImGui::GetBackgroundDrawList()->VtxBuffer) place.Add(vertex.pos);
+    ImGui::Render();
+    return place;
+  };
+  const ImRect soon = drawn(0, 100 * kNsPerMs);
+  const ImRect later = drawn(0, 8 * kNsPerS);
+  for (const ImRect& place : {soon, later}) {
+    CHECK(place.GetCenter().x == doctest::Approx(320).epsilon(0.02));
+    CHECK(place.GetCenter().y == doctest::Approx(300).epsilon(0.02));
+    CHECK(place.GetWidth() > 100);
+  }
+  CHECK(later.GetWidth() < soon.GetWidth());  // other words
+  CHECK(drawn(1, 8 * kNsPerS).Max.x < 0);
 }
 
 TEST_CASE("what cannot be cancelled has no button, and another thing to wait for has half a second of its own") {

@@ -26,6 +26,7 @@ OutputsView two_outputs() {
   view.rows.resize(2);
   view.rows[0].endpoint = "sacn:1-2";
   view.rows[0].universes = {1, 2};
+  view.rows[1].id = 1;
   view.rows[1].endpoint = "enttec-pro:EN1";
   view.rows[1].universes = {1};
   return view;
@@ -33,12 +34,15 @@ OutputsView two_outputs() {
 
 class Ui : public testing::DrawnUi {
  public:
-  explicit Ui(OutputsView* view = nullptr, float width = 1280, float height = 720)
+  explicit Ui(OutputsView* view = nullptr, float width = 1280, float height = 720, float of_scale = 1)
       : imgui(width, height),
+        scale(of_scale),
         rig(testing::compiled_rig(testing::parsed_rig(testing::kUiRig))),
         desk(rig.rig, rig.compiled),
         levels(rig.compiled.universes.size() * kSlotCountMax),
         outputs(view) {
+    ImGui::GetIO().FontGlobalScale = scale;
+    ImGui::GetStyle().ScaleAllSizes(scale);
     open.set_open(kDevices, true, desk);
     for (int i = 0; i < 3; ++i) frame();
   }
@@ -50,6 +54,7 @@ class Ui : public testing::DrawnUi {
     input.now_ns = now_ns += kNsPerS / 60;
     input.outputs = outputs;
     input.inputs = inputs;
+    input.scale = scale;
     open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
   }
   static ImRect place(const char* window) {
@@ -77,6 +82,7 @@ class Ui : public testing::DrawnUi {
   }
 
   testing::HeadlessImGui imgui;
+  float scale;
   testing::UiRig rig;
   UiDesk desk;
   UiPanels open;
@@ -190,7 +196,7 @@ TEST_CASE("clicks anywhere in the panel arm nothing: a question comes, whose but
   ui.click_over(left, true, [&] { return !view.arm.empty(); });  // up to the tick
   CHECK(view.arm.empty());
   CHECK(ui.click_over(button, true, [&] { return !view.arm.empty(); }));
-  CHECK(view.arm == std::vector<std::size_t>{0, 1});  // the first button is that of all
+  CHECK(view.arm == std::vector<OutputId>{0, 1});  // the first button is that of all
   ui.frame();
   CHECK(!Ui::asks());
 }
@@ -242,7 +248,7 @@ TEST_CASE("armed outputs are disarmed and blacked out by one click") {
   bool darkened = false;
   ui.click_over(Ui::body(), false, [&] {
     if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);
-    disarmed = disarmed || view.disarm == std::vector<std::size_t>{1};
+    disarmed = disarmed || view.disarm == std::vector<OutputId>{1};
     darkened = darkened || view.blackout == true;
     view.disarm.clear();
     view.blackout.reset();
@@ -273,6 +279,7 @@ TEST_CASE("interfaces that are plugged in are listed with their fix, and a click
   }
   CHECK(ui.click_over(Ui::body(), false, [&] {
     if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);  // the list of universes
+    if (view.add == "mock:enttec-pro=3") view.add.reset();
     return view.add.has_value();
   }));
   CHECK(view.add == "enttec-pro:EN1=3");
@@ -336,12 +343,13 @@ TEST_CASE("an endpoint that is typed becomes an input, or an output, with Enter"
     enter();
     return field;
   };
-  const ImGuiID first = type_into_field(0, "sacn:1-2");
-  CHECK(inputs.add == "sacn:1-2");
-  CHECK(!view.add);
-  (void)type_into_field(first, "sacn:2%lo");
+  const ImGuiID first = type_into_field(0, "sacn:2%lo");
   CHECK(view.add == "sacn:2%lo");
   CHECK(!inputs.add);
+  (void)type_into_field(first, "sacn:1-2");
+  CHECK(inputs.add == "sacn:1-2");
+  CHECK(!view.add);
+  inputs.add.reset();
   inputs.refusal = "sacn:1-2: no such thing";
   view.refusal = "sacn:2%lo: it is in the list already";
   const std::string words = ui.words();
@@ -364,7 +372,7 @@ TEST_CASE("a made-up interface is one click away, and is called so in its row an
   view.rows[0].made_up = true;
   const std::string words = ui.words();
   CHECK(has(words, "mock:enttec-pro=3 (made up)"));
-  CHECK(!has(words, "No interface at hand"));
+  CHECK(!has(words, "add a made-up interface"));
   view.rows[0].state = ArmState::kArmed;
   CHECK(live_words(view) == "LIVE: 1 output (made up)");
   view.rows.push_back(view.rows[0]);
@@ -379,15 +387,19 @@ TEST_CASE("a made-up interface is one click away, and is called so in its row an
   CHECK(has(question, "A made-up input moves them: mock:sine"));
 }
 
-TEST_CASE("a tag over the picture says what is made up, below the band of outputs") {
+TEST_CASE("a tag over the picture says what is made up, beside the one of outputs") {
   const testing::HeadlessImGui imgui(800, 600);
   InputsView made_up;
   // The place of what is drawn, or nothing.
   const auto tag = [&](float y) {
     ImGui::NewFrame();
-    draw_made_up_tag(made_up, 536, y);
+    StageTags tags(536);
+    if (y > 0) tags.draw({"LIVE", "", y, 1, 1});
+    const int before = ImGui::GetForegroundDrawList()->VtxBuffer.Size;
+    draw_input_tags(made_up, tags);
     ImRect place(1e6f, 1e6f, -1e6f, -1e6f);
-    for (const ImDrawVert& vertex : ImGui::GetForegroundDrawList()->VtxBuffer) place.Add(vertex.pos);
+    const auto& drawn = ImGui::GetForegroundDrawList()->VtxBuffer;
+    for (int i = before; i < drawn.Size; ++i) place.Add(drawn[i].pos);
     ImGui::Render();
     return place;
   };
@@ -395,13 +407,77 @@ TEST_CASE("a tag over the picture says what is made up, below the band of output
   CHECK(made_up_words(made_up).empty());
   made_up.inputs = made_up.made_up = {"mock:chase"};
   CHECK(made_up_words(made_up) == "MADE UP: mock:chase");
-  CHECK(tag(30).Min.y == doctest::Approx(30));
-  CHECK(tag(30).GetCenter().x == doctest::Approx(268).epsilon(0.01));
-  CHECK(tag(30).GetWidth() > 100);
+  CHECK(tag(0).Min.y == 0);
+  CHECK(tag(0).GetCenter().x == doctest::Approx(268).epsilon(0.01));
+  CHECK(tag(0).GetWidth() > 100);
+  CHECK(tag(30).Min.y == 0);  // beside another tag
+  CHECK(tag(30).GetCenter().x != doctest::Approx(268).epsilon(0.1));
   made_up.made_up.push_back("mock:sine");
   CHECK(made_up_words(made_up) == "MADE UP: 2 inputs");
-  made_up.dark_by_hand = true;  // a dark picture must say why
-  CHECK(made_up_words(made_up) == "BLACKOUT by hand");
+}
+
+TEST_CASE("a blackout by hand has a tag of its own with the way to end it, beside that of made-up inputs") {
+  const testing::HeadlessImGui imgui(800, 600);
+  InputsView inputs;
+  const auto tags_end = [&] {
+    ImGui::NewFrame();
+    StageTags tags(536);
+    draw_input_tags(inputs, tags);
+    ImGui::Render();
+    return tags.bottom();
+  };
+  CHECK(tags_end() == 0);
+  inputs.inputs = inputs.made_up = {"mock:chase"};
+  const float made_up = tags_end();
+  inputs.dark_by_hand = true;
+  CHECK(made_up_words(inputs) == "MADE UP: mock:chase");
+  CHECK(hand_blackout_words(inputs) == "BLACKOUT by hand");
+  CHECK(has(hand_blackout_end(), "footlight blackout off"));
+  CHECK(tags_end() > 1.5f * made_up);
+  OutputsView outputs = two_outputs();
+  outputs.darkness = Darkness::kAsked;
+  CHECK(has(blackout_words(outputs), "Shift+B ends the blackout of outputs"));  // and not the one by hand
+  CHECK(!has(hand_blackout_end(), "Shift+B"));
+}
+
+TEST_CASE("no tag covers a panel or a line with buttons, wherever on the stage they are") {
+  testing::HeadlessImGui imgui(1280, 720);
+  OutputsView outputs = two_outputs();
+  outputs.rows[0].state = ArmState::kArmed;
+  outputs.darkness = Darkness::kAsked;
+  InputsView inputs;
+  inputs.inputs = inputs.made_up = {"mock:chase"};
+  inputs.dark_by_hand = true;
+  for (float left = -200; left < 1016; left += 40) {
+    for (const float width : {200.0f, 560.0f}) {
+      for (const bool titled : {true, false}) {
+        ImRect free;
+        for (int frame = 0; frame < 2; ++frame) {
+          ImGui::NewFrame();
+          ImGui::SetNextWindowPos({left, 8});
+          ImGui::SetNextWindowSize({width, titled ? 300.0f : 34.0f});
+          ImGui::Begin("one", nullptr, titled ? 0 : ImGuiWindowFlags_NoTitleBar);
+          const ImGuiWindow* const window = ImGui::GetCurrentWindow();
+          free = window->Rect();
+          ImGui::End();
+          StageTags tags(1016);
+          draw_live_band(outputs, tags, 1);
+          draw_input_tags(inputs, tags);
+          draw_lock(tags, 1);
+          ImGui::Render();
+        }
+        // Corners of rectangles and letters; those of the frame around the window are at its edges.
+        free.Expand(-1);
+        const ImRect inside(16, 16, 1264, 704);
+        int covers = 0;
+        for (const ImDrawVert& vertex : ImGui::GetForegroundDrawList()->VtxBuffer) {
+          covers += inside.Contains(vertex.pos) && free.Contains(vertex.pos) ? 1 : 0;
+        }
+        INFO(left, " ", width, " ", titled);
+        CHECK(covers == 0);
+      }
+    }
+  }
 }
 
 TEST_CASE("what is set by hand is counted and released by one click, and its blackout is ended by one") {
@@ -440,6 +516,60 @@ TEST_CASE("with a made-up input the tempo is shown and tapped, and with a contro
   REQUIRE(ui.click_over(Ui::body(), false, [&] { return inputs.stop_learning; }));
 }
 
+TEST_CASE("of a locked window's requests of inputs and outputs those stay that arm, disarm and darken") {
+  OutputsView outputs = two_outputs();
+  outputs.arm = {0};
+  outputs.disarm = {1};
+  outputs.blackout = true;
+  CHECK(!outputs.drop_requests());
+  outputs.add = "sacn:3";
+  outputs.remove = {1};
+  outputs.move = OutputsView::Move{0, 2};
+  CHECK(outputs.drop_requests());
+  CHECK(!outputs.add);
+  CHECK(!outputs.move);
+  CHECK(outputs.remove.empty());
+  CHECK(outputs.arm == std::vector<OutputId>{0});
+  CHECK(outputs.disarm == std::vector<OutputId>{1});
+  CHECK(outputs.blackout == true);
+  InputsView inputs;
+  inputs.end_hand_blackout = true;
+  CHECK(!inputs.drop_requests());
+  const auto dropped = [&](auto ask) {
+    ask();
+    return inputs.drop_requests() && !inputs.drop_requests();
+  };
+  CHECK(dropped([&] { inputs.add = "sacn:1"; }));
+  CHECK(dropped([&] { inputs.remove = "sacn:1"; }));
+  CHECK(dropped([&] { inputs.move = InputsView::Move{"enttec-pro=1", 2}; }));
+  CHECK(dropped([&] { inputs.learn = "1.17"; }));
+  CHECK(dropped([&] { inputs.release_hand = true; }));
+  CHECK(dropped([&] { inputs.tap = true; }));
+  CHECK(inputs.end_hand_blackout);
+}
+
+TEST_CASE("a locked window has a blue frame and a tag at the top, inside the red frame of what is live") {
+  const testing::HeadlessImGui imgui(800, 600);
+  ImGui::NewFrame();
+  StageTags tags(536);
+  draw_lock(tags, 1);
+  const float below = tags.bottom();
+  std::vector<bool> edges(4);
+  bool tag = false;
+  for (const ImDrawVert& vertex : ImGui::GetForegroundDrawList()->VtxBuffer) {
+    if (vertex.col != IM_COL32(0, 114, 178, 255)) continue;
+    edges[0] = edges[0] || (vertex.pos.x > 3 && vertex.pos.x < 8);
+    edges[1] = edges[1] || (vertex.pos.y > 3 && vertex.pos.y < 8);
+    edges[2] = edges[2] || (vertex.pos.x > 792 && vertex.pos.x < 797);
+    edges[3] = edges[3] || (vertex.pos.y > 592 && vertex.pos.y < 597);
+    tag = tag || (vertex.pos.y <= below && vertex.pos.x > 150 && vertex.pos.x < 400);
+  }
+  ImGui::Render();
+  CHECK(edges == std::vector<bool>(4, true));
+  CHECK(tag);
+  CHECK(below > 10);
+}
+
 TEST_CASE("a recording is a red dot with its time at the top left") {
   const testing::HeadlessImGui imgui(800, 600);
   ImGui::NewFrame();
@@ -466,6 +596,7 @@ TEST_CASE("an interface or an output that is dragged to a universe is patched to
   view.rows[0].endpoint = "enttec-pro:EN2=3";
   view.rows[0].universes = {3};
   view.rows[0].can_move = true;
+  view.rows[1].id = 1;
   view.rows[1].endpoint = "sacn:3";
   view.rows[1].universes = {3};
   Ui ui(&view);
@@ -480,8 +611,8 @@ TEST_CASE("an interface or an output that is dragged to a universe is patched to
       ui.drag({body.Min.x + 30, from}, {body.Min.x + 24, to});
       if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);
       added = added || view.add == "enttec-pro:EN1=3";
-      moved = moved || (view.move && view.move->row == 0 && view.move->to == 3);
-      CHECK(!(view.move && view.move->row == 1));  // its endpoint names its universes
+      moved = moved || (view.move && view.move->id == 0 && view.move->to == 3);
+      CHECK(!(view.move && view.move->id == 1));  // its endpoint names its universes
     }
   }
   CHECK(added);
@@ -523,7 +654,7 @@ TEST_CASE("an output that is off is removed by one click, and a live one after a
     for (int i = 0; i < 3; ++i) ui.frame();
   };
   remove(0);
-  CHECK(view.remove == std::vector<std::size_t>{0});
+  CHECK(view.remove == std::vector<OutputId>{0});
   CHECK(!Ui::asks());
   view.remove.clear();
   remove(1);
@@ -537,7 +668,7 @@ TEST_CASE("an output that is off is removed by one click, and a live one after a
   remove(1);
   testing::activate("###Remove a live output?", {"###Remove it"});
   for (int i = 0; i < 3; ++i) ui.frame();
-  CHECK(view.remove == std::vector<std::size_t>{1});
+  CHECK(view.remove == std::vector<OutputId>{1});
   CHECK(!Ui::asks());
 }
 
@@ -554,8 +685,9 @@ TEST_CASE("a question about an output that leaves the list meanwhile is closed")
   for (int i = 0; i < 3; ++i) ui.frame();
   view = two_outputs();
   view.rows.push_back(view.rows[1]);
+  view.rows[2].id = 2;
   view.rows[2].endpoint = "enttec-pro:EN2";
-  const int row = 1;  // after it another output has this row
+  const OutputId row = 1;
   const ImGuiID table = ImHashStr("outputs", 0, ImGui::FindWindowByName("###Devices")->ID);
   ui.frame();
   ImGui::ActivateItem(ImHashStr("###arm ...", 0, ImHashData(&row, sizeof(row), table)));
@@ -563,8 +695,109 @@ TEST_CASE("a question about an output that leaves the list meanwhile is closed")
   REQUIRE(Ui::asks());
   view.rows.erase(view.rows.begin());
   for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(Ui::asks());  // another one left the list, and its row has moved
+  view.rows.erase(view.rows.begin());
+  for (int i = 0; i < 3; ++i) ui.frame();
   CHECK(!Ui::asks());
   CHECK(view.arm.empty());
+}
+
+ImGuiID output_item(OutputId id, const char* label) {
+  const ImGuiID table = ImHashStr("outputs", 0, ImGui::FindWindowByName("###Devices")->ID);
+  return ImHashStr(label, 0, ImHashData(&id, sizeof(id), table));
+}
+ImGuiID input_item(const char* endpoint, const char* label) {
+  const ImGuiID table = ImHashStr("inputs", 0, ImGui::FindWindowByName("###Devices")->ID);
+  return ImHashStr(label, 0, ImHashStr(endpoint, 0, table));
+}
+
+TEST_CASE("no button of an output or an input moves when an output is armed, something fails or an input comes") {
+  OutputsView view = two_outputs();
+  view.universes = {1, 2};
+  InputsView inputs;
+  inputs.inputs = {"sacn:1", "mock:chase"};
+  inputs.made_up = {"mock:chase"};
+  Ui ui(&view, 1280, 1000);
+  ui.inputs = &inputs;
+  for (int i = 0; i < 3; ++i) ui.frame();
+  const auto at = [&](ImVec2 place) {
+    ImGui::GetIO().MousePos = place;
+    for (int i = 0; i < 2; ++i) ui.frame();
+    return ImGui::GetHoveredID();
+  };
+  const auto place_of = [&](ImGuiID item) {
+    const ImRect body = Ui::body();
+    for (float y = body.Min.y; y < body.Max.y; y += 4) {
+      for (float x = body.Max.x; x > body.Min.x; x -= 16) {
+        if (at({x, y}) == item) return ImVec2(x, y);
+      }
+    }
+    return ImVec2(-1, -1);
+  };
+  const std::vector<ImGuiID> items{output_item(0, "###remove"), output_item(1, "###remove"),
+                                   output_item(1, "###arm ..."), input_item("sacn:1", "###remove"),
+                                   input_item("mock:chase", "###remove")};
+  std::vector<ImVec2> places;
+  for (const ImGuiID item : items) {
+    places.push_back(place_of(item));
+    REQUIRE(places.back().x > 0);
+  }
+  PumpStatus status;
+  status.stamp_ns = 10 * kNsPerS;
+  status.ports.resize(2);
+  status.ports[0].name = "by hand";
+  status.ports[0].trouble = "a trouble of some words";
+  status.ports[1].name = "sacn:1";
+  ui.status = &status;
+  inputs.by_hand = "3 slots by hand";
+  inputs.dark_by_hand = true;
+  inputs.refusal = "sacn:7: no such thing";
+  inputs.why_not = "Disarm the outputs to add inputs: real lamps would follow them.";
+  view.refusal = "sacn:9: none of the rig";
+  view.notice = "enttec-pro:EN1: armed: it sends the levels of the picture to real lamps";
+  view.darkness = Darkness::kSilence;
+  view.rows[0].trouble = "sacn:1-2: no route";
+  view.rows[0].left_out = {2};
+  view.rows[0].state = ArmState::kArmed;
+  view.rows[0].status = PortStatus{.name = "sacn:1-2", .is_sink = true, .state = PortState::kGone};
+  view.rows[0].status->latency.count = 7;
+  view.rows[0].status->figures.push_back({"break_us", 176.4});
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    INFO(i);
+    CHECK(at(places[i]) == items[i]);
+  }
+  view.rows[1].state = ArmState::kArmed;
+  CHECK(at(places[2]) == output_item(1, "###disarm"));
+  view.rows[1].state = ArmState::kClosing;  // a second click on `disarm` does not fall on `remove`
+  CHECK(at(places[1]) == items[1]);
+}
+
+TEST_CASE("the endpoint of an armed output can be read beside all its figures, and whole under the mouse") {
+  for (const float scale : {1.0f, 2.0f}) {
+    INFO(scale);
+    OutputsView view = two_outputs();
+    view.rows[1].endpoint = "mock:enttec-pro=3";
+    view.rows[1].made_up = true;
+    view.rows[1].state = ArmState::kArmed;
+    view.rows[1].status = PortStatus{.name = "mock:enttec-pro=3", .is_sink = true, .state = PortState::kWorking};
+    view.rows[1].status->frames = 4'711;
+    view.rows[1].status->latency.count = 7;
+    view.rows[1].status->figures.push_back({"break_us", 176.4});
+    Ui ui(&view, 1280 - 264 * scale, 720, scale);  // beside the side panel
+    const ImGuiTable* const table =
+        ImGui::TableFindByID(ImHashStr("outputs", 0, ImGui::FindWindowByName("###Devices")->ID));
+    REQUIRE(table != nullptr);
+    CHECK(table->Columns[0].WidthGiven >= ImGui::GetFontSize() * 7 / 13 * 17);  // of the test's font, 17 letters
+    const ImGuiWindow* const panel = ImGui::FindWindowByName("###Devices");
+    bool tip = false;
+    for (float y = panel->Pos.y; y < panel->Pos.y + panel->Size.y && !tip; y += 4) {
+      ImGui::GetIO().MousePos = {table->Columns[0].MinX + 8, y};
+      ui.frame();
+      const std::string words = ui.words();
+      tip = has(words, "mock:enttec-pro=3 (made up)") && has(words, "4711 frames");
+    }
+    CHECK(tip);
+  }
 }
 
 TEST_CASE("the band names what is live, and a blackout") {
@@ -578,17 +811,17 @@ TEST_CASE("the band names what is live, and a blackout") {
   CHECK(live_words(view) == "LIVE: 2 outputs");
   CHECK(blackout_words(view).empty());
   view.darkness = Darkness::kAsked;
-  CHECK(live_words(view) == "BLACKOUT: 2 outputs send zeros");
+  CHECK(live_words(view) == "BLACKOUT of outputs: 2 send zeros");
   CHECK(has(blackout_words(view), "Shift+B"));
   view.darkness = Darkness::kSilence;
   CHECK(has(blackout_words(view), "no levels for 2.5 s"));
   view.darkness = Darkness::kNotHeld;
-  CHECK(live_words(view) == "BLACKOUT: 2 outputs send zeros");
+  CHECK(live_words(view) == "BLACKOUT of outputs: 2 send zeros");
   CHECK(blackout_words(view) == "Lamps are live while End is held");
   view.rows[0].state = view.rows[1].state = ArmState::kOff;
   CHECK(live_words(view).empty());  // nothing waits for the key
   view.darkness = Darkness::kAsked;
-  CHECK(live_words(view) == "BLACKOUT: no output is armed");
+  CHECK(live_words(view) == "BLACKOUT of outputs: none is armed");
 }
 
 TEST_CASE("a box of the panel asks for the dead man's switch, in whose darkness a blackout can still be asked for") {
@@ -612,7 +845,8 @@ TEST_CASE("the band is a red frame at the edges of the window, over everything, 
   // Whether something red is drawn at each edge of the window.
   const auto red_edges = [&] {
     ImGui::NewFrame();
-    draw_live_band(view, 536, 1);
+    StageTags tags(536);
+    draw_live_band(view, tags, 1);
     const ImDrawList& draw = *ImGui::GetForegroundDrawList();
     std::vector<bool> edges(4);
     for (const ImDrawVert& vertex : draw.VtxBuffer) {

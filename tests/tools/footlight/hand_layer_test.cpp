@@ -91,6 +91,32 @@ TEST_CASE("a command on the window's socket sets slots over the faders, and a re
   CHECK(eventually([&] { return window.level(3, 7) == 30 && !window.layer->overlays(); }));
 }
 
+TEST_CASE("what is set by hand has one state in the window and for the monitor: it works, also when it holds nothing") {
+  WindowOf window;
+  CHECK(window.post("set\n3.7=9") == 200);
+  CHECK(window.shows(3, 7, 9));
+  const auto state_of = [](const std::string& status) {
+    const std::size_t port = status.find("\"by hand\"");
+    const std::size_t state = status.find("\"state\":\"", port);
+    return port == std::string::npos ? "" : status.substr(state + 9, status.find('"', state + 9) - state - 9);
+  };
+  const auto seen = [&] {  // in each status from the first one that has it on
+    const PumpStatus status = window.layer->shown()->status();
+    for (const PortStatus& port : status.ports) {
+      if (port.name != "by hand") continue;
+      CHECK(port.state == PortState::kWorking);
+      return true;
+    }
+    return false;
+  };
+  CHECK(eventually(seen));
+  CHECK(eventually([&] { return state_of(window.page("/status")) == "working"; }));
+  CHECK(window.post("set\n3.8=0") == 200);
+  CHECK(window.post("release\n3.7-8") == 200);
+  window.layer->command(HandAction::kReleaseAll);
+  for (int i = 0; i < 100; ++i) CHECK(state_of(window.page("/status")) == "working");
+}
+
 TEST_CASE("a log counts as a sender of priority 100: below it a slot that is set loses, at it the higher level wins") {
   WindowOf window;
   CHECK(window.post("set\npriority 99\n1.1=200") == 200);

@@ -15,10 +15,12 @@
 
 #include "drivers/mock/enttec_pro_model.h"
 #include "drivers/mock/mock_usb.h"
+#include "fixtures/edit/patch_slots.h"
 #include "sim/system_clock.h"
 #include "tests/tools/footlight/ui_rigs.h"
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/preview/live_outputs.h"
+#include "tools/footlight/preview/ui/rig_index.h"
 
 namespace footlight::tools {
 namespace {
@@ -274,9 +276,10 @@ TEST_CASE("an output that is removed while it is live ends dark, is closed, and 
   CHECK(window.wires[0]->closed_count() == 1);
   CHECK(window.view.rows[0].endpoint == "artnet:1");
   CHECK(window.armed(0));
-  window.view.disarm = {0};
+  CHECK(window.view.rows[0].id == 1);
+  window.view.disarm = {1};
   REQUIRE(window.until(200, [&] { return window.off(0); }));
-  window.view.remove = {0};
+  window.view.remove = {1};
   window.picture(200);
   CHECK(window.view.rows.empty());
   auto plan = plan_outputs(std::vector<std::string>{"sacn:1-2"}, scene_of(kUiRig));
@@ -285,6 +288,72 @@ TEST_CASE("an output that is removed while it is live ends dark, is closed, and 
   window.picture(200);
   REQUIRE(window.view.rows.size() == 1);
   CHECK(window.off(0));
+}
+
+TEST_CASE("what is asked of an output that has left the list is done to no other one") {
+  Window window({"sacn:1-2", "enttec-pro=1", "enttec-pro:EN7=1"});
+  const std::vector<OutputRow> before = window.view.rows;
+  window.view.remove = {before[0].id};
+  window.picture(200);
+  REQUIRE(window.view.rows.size() == 2);
+  CHECK(window.view.rows[0].id == before[1].id);
+  window.view.remove = {before[0].id};  // a click of the turn before
+  window.view.arm = {before[0].id};
+  window.picture(200);
+  REQUIRE(window.view.rows.size() == 2);
+  CHECK(window.off(0));
+  CHECK(window.off(1));
+  auto plan = plan_outputs(std::vector<std::string>{"enttec-pro:EN8=2"}, scene_of(kUiRig));
+  REQUIRE(plan);
+  const Status gone = window.outputs->replace(before[0].id, plan->outputs[0]);
+  REQUIRE(!gone);
+  CHECK(gone.error().message.find("removed meanwhile") != std::string::npos);
+  REQUIRE(window.outputs->replace(before[2].id, plan->outputs[0]));
+  window.picture(200);
+  CHECK(window.view.rows[1].id == before[2].id);
+  CHECK(window.view.rows[1].endpoint == "enttec-pro:EN8=2");
+}
+
+TEST_CASE("the next window has an output that was removed and added again, and none that was removed") {
+  Window window;
+  const auto planned = [](const char* text) {
+    return plan_outputs(std::vector<std::string>{text}, scene_of(kUiRig)).value().outputs[0];
+  };
+  window.view.remove = {0};
+  window.picture(200);
+  CHECK(window.view.staying() == std::vector<std::string>{"artnet:1"});
+  REQUIRE(window.outputs->add(planned("sacn:1-2")));
+  window.picture(200);
+  CHECK(window.view.staying() == std::vector<std::string>{"artnet:1", "sacn:1-2"});
+  window.view.arm = {1};
+  REQUIRE(window.until(200, [&] { return window.armed(0); }));
+  window.view.remove = {1};
+  window.picture(200);  // it ends dark, and is still in the list
+  CHECK(window.view.staying() == std::vector<std::string>{"sacn:1-2"});
+}
+
+TEST_CASE("after the last output is removed there is no blackout, and one for another universe can be added") {
+  Window window({"sacn:1-2"});
+  window.view.blackout = true;
+  window.view.remove = {0};
+  CHECK(!end_without_outputs(window.outputs, window.view));
+  window.picture(200);
+  CHECK(window.view.darkness == Darkness::kAsked);
+  CHECK(end_without_outputs(window.outputs, window.view));
+  CHECK(window.outputs == nullptr);
+  CHECK(window.view.darkness == Darkness::kNone);
+  CHECK(live_words(window.view).empty());
+  PreviewScene scene = scene_of(kUiRig);
+  scene.own_universes = {9};  // as after an edit of the rig
+  auto plan = plan_outputs(std::vector<std::string>{"sacn:9"}, scene);
+  REQUIRE(plan);
+  auto again = LiveOutputs::start(
+      std::move(*plan), [&](const PlannedOutput& output) { return window.open(output); }, window.clock);
+  REQUIRE(again);
+  (*again)->follow(window.view);
+  REQUIRE(window.view.rows.size() == 1);
+  CHECK(window.view.rows[0].endpoint == "sacn:9");
+  CHECK(window.view.darkness == Darkness::kNone);
 }
 
 TEST_CASE("an output that is removed while it opens is never armed") {
@@ -446,6 +515,33 @@ TEST_CASE("devices that are plugged in can be outputs only if they are ready and
   CHECK(plugged[1].fix == "not yours: sudo install the rules");
   CHECK(!plugged[2].can_send);
   CHECK(!plugged[3].can_send);
+}
+
+TEST_CASE("what an edit deletes is dark in the next picture of the rig from before, but for slots that others share") {
+  PreviewScene before = scene_of(kUiRig);
+  for (std::size_t i = 0; i < before.rig.fixtures.size(); ++i) before.ids.push_back(static_cast<int>(i));
+  const std::vector<std::uint8_t> full(before.compiled.universes.size() * kSlotCountMax, 200);
+  const RigIndex slots(before.rig, before.compiled);
+  std::vector<std::uint8_t> levels = full;
+  darken_deleted(before, before, levels);
+  CHECK(levels == full);
+  PreviewScene after;
+  after.ids = {before.ids[0], before.ids[2]};
+  darken_deleted(before, after, levels);
+  const auto raw = [&](int fixture) { return slots.read({fixture, 0}, levels); };
+  CHECK(raw(0) == slots.read({0, 0}, full));
+  CHECK(raw(1) == 0);
+  CHECK(raw(2) == slots.read({2, 0}, full));
+  after.ids.clear();
+  darken_deleted(before, after, levels);
+  for (std::size_t i = 0; i < before.rig.fixtures.size(); ++i) CHECK(raw(static_cast<int>(i)) == 0);
+  before.rig.fixtures[1] = before.rig.fixtures[0];  // both at one address
+  fixtures::share_conflicting_addresses(before.rig);
+  before.compiled = testing::taken(fixtures::compile(before.rig));
+  after.ids = {before.ids[0]};
+  levels = full;
+  darken_deleted(before, after, levels);
+  CHECK(RigIndex(before.rig, before.compiled).read({0, 0}, levels) == slots.read({0, 0}, full));
 }
 
 TEST_CASE("a rig whose fixtures have no address has no universe of its own, whatever its faders use") {

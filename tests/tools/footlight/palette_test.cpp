@@ -219,13 +219,14 @@ struct DeskMark {
            desk.measure().on,
            desk.floor_lines(),
            desk.fly().on(),
-           desk.comparison().a.has_value()},
+           desk.comparison().a.has_value(),
+           desk.locked()},
         flashes(desk.flashes()) {}
   Selection selection;
   std::map<ChannelKey, std::uint32_t> taken;
   PictureLook look;
   std::uint64_t revision;
-  std::array<bool, 7> on;
+  std::array<bool, 8> on;
   FlashMode flashes;
   bool operator==(const DeskMark&) const = default;
 };
@@ -428,6 +429,32 @@ TEST_CASE("Ctrl+P is the key of the palette") {
   const auto call = call_of({row->key, row->mods, false});
   REQUIRE(call);
   CHECK(call->action == UiAction::kPalette);
+}
+
+TEST_CASE("a locked window refuses each action that edits or sets levels, and no other one") {
+  PaletteUi palette;
+  UiDesk& desk = palette.ui.desk;
+  desk.list_recent({"rig.toml"}, {"show.dmxlog"});
+  const auto refused = [&] {
+    std::vector<UiAction> actions;
+    for (const UiActionItem& item : action_items(desk, true, &palette.outputs)) {
+      if (item.why_not == locked_words()) actions.push_back(item.call.action);
+    }
+    std::sort(actions.begin(), actions.end());
+    actions.erase(std::unique(actions.begin(), actions.end()), actions.end());
+    return actions;
+  };
+  CHECK(refused().empty());
+  CHECK(run_on_desk(desk, {UiAction::kLock})->text == locked_words());
+  CHECK(desk.locked());
+  using A = UiAction;
+  std::vector<UiAction> expected{A::kUndo,      A::kOpen,       A::kOpenRecent, A::kOpenRecentLog, A::kDelete,
+                                 A::kUnpatch,   A::kEditField,  A::kNudge,      A::kStoreCamera,   A::kHighlight,
+                                 A::kLocate,    A::kReleaseAll, A::kTap};
+  std::sort(expected.begin(), expected.end());
+  CHECK(refused() == expected);
+  CHECK(run_on_desk(desk, {UiAction::kLock})->text == "unlocked");
+  CHECK(refused().empty());
 }
 
 }  // namespace

@@ -1,11 +1,14 @@
 // The panel beside the picture without a window: what its controls ask for.
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include <imgui/imgui.h>
 
 #include <doctest/doctest.h>
 
 #include "tests/tools/footlight/side_panel_ui.h"
+#include "tests/tools/footlight/ui_rigs.h"
 
 namespace footlight::tools {
 namespace {
@@ -96,6 +99,28 @@ TEST_CASE("the mode of harmful flashes is shown, and each mode is followed by an
     CHECK(next_of(next_of(next_of(mode))) == mode);
     CHECK(next_of(mode) != mode);
   }
+}
+
+TEST_CASE("a locked window has faders that no click moves, and says how it is unlocked") {
+  const testing::UiRig rig = testing::compiled_rig(testing::parsed_rig(testing::kUiRig));
+  HandLevels hand(rig.rig, rig.compiled);
+  testing::SidePanelUi ui(1280, 720);
+  ui.hand = &hand;
+  ui.controls.hand_fixture = 0;
+  for (const auto& fixture : rig.rig.fixtures) ui.facts.fixtures.push_back(fixture.name);
+  const std::vector<std::uint8_t> before(hand.levels().begin(), hand.levels().end());
+  const auto moves = [&] {
+    for (float y = 60; y < 400; y += 6) {
+      ui.press(1200, y);
+      if (!std::equal(before.begin(), before.end(), hand.levels().begin())) return true;
+    }
+    return false;
+  };
+  ui.facts.locked = true;
+  CHECK(!moves());
+  CHECK(ui.words().find("Ctrl+Shift+L unlocks") != std::string::npos);
+  ui.facts.locked = false;
+  CHECK(moves());
 }
 
 }  // namespace

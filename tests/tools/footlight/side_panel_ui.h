@@ -13,10 +13,11 @@ class SidePanelUi : public DrawnUi {
   tools::PreviewFacts facts;
   tools::PreviewControls controls;
   const tools::LiveLevels* live = nullptr;
+  tools::HandLevels* hand = nullptr;
 
  private:
   void draw() override {
-    tools::draw_panel(facts, controls, live, nullptr, 1, [] {});
+    tools::draw_panel(facts, controls, live, hand, 1, [] {});
   }
 
   HeadlessImGui imgui_;

@@ -94,6 +94,24 @@ TEST_CASE("a drag of an arrow moves all selected fixtures along it, as one step 
   }
 }
 
+TEST_CASE("in a locked window a drag of a handle moves no fixture, and its press says why") {
+  Stage stage;
+  stage.desk.select(1, false);
+  (void)stage.mouse({0, 0}, false);
+  const glm::dvec3 before_m = stage.position(1);
+  const std::size_t steps = stage.desk.history().size();
+  stage.desk.set_locked(true);
+  const glm::dvec2 from = stage.middle_of(0);
+  (void)stage.mouse(from, false);
+  CHECK(stage.mouse(from, true));  // the camera does not get it
+  CHECK(!stage.handles.dragging());
+  CHECK(stage.desk.take_news() == locked_words());
+  (void)stage.mouse(from + glm::dvec2(80, 0), true);
+  (void)stage.mouse(from + glm::dvec2(80, 0), false);
+  CHECK(stage.position(1) == before_m);
+  CHECK(stage.desk.history().size() == steps);
+}
+
 TEST_CASE("a drag of the square moves across the floor, and the height stays") {
   Stage stage;
   const auto& corners = stage.handles.shape().value().floor.value();

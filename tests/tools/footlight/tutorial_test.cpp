@@ -168,15 +168,15 @@ void light_it(Desk& desk) {
   desk.picture(1);
 
   desk.panel("F6");
-  desk.click({400, 183});  // add chase
+  desk.click({418, 400});  // add chase
   desk.wait("a chase", [](const Json& line) { return is_in(line["inputs"], "mock:chase") && line["dark"] == 6; });
   desk.key("F6");
   desk.picture(2);
   desk.panel("F6");
-  desk.click({193, 202});  // remove
+  desk.click({638, 306});  // remove
   desk.wait("the faders", [](const Json& line) { return line["inputs"].empty() && line["live"] == 8; });
 
-  desk.type({100, 183}, "sacn:1-2%lo");  // the field for an input
+  desk.type({100, 400}, "sacn:1-2%lo");  // the field for an input
   desk.key("Return");
   std::set<int> lit;
   desk.wait("a show from the network", [&](const Json& line) {
@@ -245,9 +245,9 @@ void arm_it(Desk& desk) {
 
   desk.key("F5");
   desk.panel("F6");
-  desk.click({446, 325});  // add a made-up interface
+  desk.click({384, 242});  // add a made-up interface
   desk.settle();
-  desk.click({561, 287});  // arm ...
+  desk.click({574, 166});  // arm ...
   desk.settle();
   desk.wait("nothing sent before the tick", [](const Json& line) { return line["outputs_live"] == 0; });
   desk.click({311, 309});  // the tick

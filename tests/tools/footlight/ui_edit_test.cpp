@@ -468,5 +468,55 @@ position_step = [1, 0, 0]
   check_consistent(desk);
 }
 
+TEST_CASE("a locked desk refuses edits and levels with the way to unlock it, and takes cameras and selections") {
+  EditDesk edit(parsed_rig(kUiRig));
+  UiDesk& desk = edit.desk;
+  const std::vector<std::uint8_t> levels(desk.compiled().universes.size() * kSlotCountMax);
+  desk.select(1, false);
+  desk.begin_gesture();
+  desk.take({1, 0}, 200, levels);
+  const std::uint64_t revision = desk.state().revision;
+  const auto taken = desk.state().taken;
+  const std::size_t steps = desk.history().size();
+  desk.set_locked(true);
+  desk.begin_gesture();
+  const Status moved = desk.edit(fixtures::move_fixtures(desk.edited(), desk.selected(), {0, 0, 1}));
+  REQUIRE(!moved);
+  CHECK(moved.error().message == locked_words());
+  CHECK(locked_words().find("Ctrl+Shift+L unlocks") != std::string::npos);
+  CHECK(!desk.clone_selected({1, {0, 1, 0}}));
+  desk.take({1, 1}, 100, levels);
+  CHECK(desk.take_news() == locked_words());
+  desk.take({1, 1}, 101, levels);
+  CHECK(desk.take_news().empty());  // a drag says it once
+  desk.begin_gesture();
+  desk.release_all();
+  CHECK(desk.take_news() == locked_words());
+  desk.set_highlight(true);
+  desk.set_locate(true);
+  CHECK(!desk.overlays() == taken.empty());
+  CHECK(!desk.highlights());
+  CHECK(!desk.locates());
+  CHECK(desk.undo() == locked_words());
+  CHECK(desk.state().taken == taken);
+  CHECK(desk.state().revision == revision);
+  CHECK(desk.history().size() == steps);
+
+  desk.select(0, false);
+  CHECK(desk.selected().front() == 0);
+  desk.jump_camera(OrbitCamera(fixtures::Camera{}), 7.0f);
+  CHECK(desk.history().size() == steps + 2);
+  CHECK(desk.undo() != locked_words());  // the camera
+  CHECK(desk.add_marker(kNsPerS));
+  desk.set_locked(false);
+  desk.set_highlight(true);
+  CHECK(desk.highlights());
+  desk.set_locked(true);
+  desk.begin_gesture();
+  desk.select(2, false);  // would light another one
+  CHECK(desk.selected().front() == 0);
+  CHECK(desk.take_news() == locked_words());
+}
+
 }  // namespace
 }  // namespace footlight::tools

@@ -272,8 +272,7 @@ TEST_CASE("inputs and outputs in any state draw no word outside of the catalog")
     ui.check(live_words(outputs) + blackout_words(outputs) + testing::kOpens + testing::kCloses);
   }
   ui.check(made_up_words(inputs));
-  inputs.dark_by_hand = false;
-  ui.check(made_up_words(inputs));
+  ui.check(hand_blackout_words(inputs) + hand_blackout_end());
   asked.check();
 }
 

@@ -21,6 +21,17 @@ void add_compare(Arguments& arguments, PreviewOptions& options) {
                    "moment [off]");
 }
 
+// What matters while lamps follow the window.
+void add_live(Arguments& arguments, PreviewOptions& options) {
+  arguments.list("--output", options.outputs, "ENDPOINT",
+                 "output of the picture's levels to real lamps, which sends nothing until it is armed in the window "
+                 "(F6); may be given several times");
+  arguments.flag("--hold-to-live", options.hold_to_live,
+                 "a dead man's switch: armed outputs are live only while the key End is held in the window");
+  arguments.flag("--lock", options.locked,
+                 "nothing in the window edits the rig or sets levels until Ctrl+Shift+L unlocks it");
+}
+
 void add(Arguments& arguments) {
   auto options = std::make_shared<PreviewOptions>();
   auto flashes = std::make_shared<std::string>("warn");
@@ -43,11 +54,7 @@ void add(Arguments& arguments) {
   add_compare(arguments, *options);
   arguments.option("--recordings", options->recordings, "FOLDER",
                    "where Ctrl+R puts recordings; default: the folder of the rig's file");
-  arguments.list("--output", options->outputs, "ENDPOINT",
-                 "output of the picture's levels to real lamps, which sends nothing until it is armed in the window "
-                 "(F6); may be given several times");
-  arguments.flag("--hold-to-live", options->hold_to_live,
-                 "a dead man's switch: armed outputs are live only while the key End is held in the window");
+  add_live(arguments, *options);
   arguments.duration("--at", options->at_ns, "start time in the log [0]");
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; default: its first one");
   arguments.option("--panels", options->panels, "WORDS",

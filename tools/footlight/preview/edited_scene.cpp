@@ -10,6 +10,7 @@
 #include "fixtures/edit/patch_slots.h"
 #include "fixtures/simulate/vrsl_compat.h"
 #include "tools/footlight/pictures/start_view.h"
+#include "tools/footlight/preview/ui/rig_index.h"
 
 namespace footlight::tools {
 namespace {
@@ -59,6 +60,25 @@ std::vector<int> fixture_moves(const PreviewScene& from, const PreviewScene& to)
     moves.push_back(at == index_of.end() ? -1 : at->second);
   }
   return moves;
+}
+
+void darken_deleted(const PreviewScene& from, const PreviewScene& to, std::span<std::uint8_t> levels) {
+  const std::vector<int> moves = fixture_moves(from, to);
+  if (std::find(moves.begin(), moves.end(), -1) == moves.end()) return;
+  const RigIndex slots(from.rig, from.compiled);
+  const std::vector<std::uint8_t> before(levels.begin(), levels.end());
+  const auto for_channels = [&](bool deleted, auto act) {
+    for (std::size_t i = 0; i < moves.size(); ++i) {
+      if ((moves[i] < 0) != deleted) continue;
+      const auto channels = fixtures::mode_of(from.rig, from.rig.fixtures[i]).channels.size();
+      for (std::size_t c = 0; c < channels; ++c) {
+        const ChannelKey key{static_cast<int>(i), static_cast<int>(c)};
+        if (slots.place(key)) act(key);
+      }
+    }
+  };
+  for_channels(true, [&](ChannelKey key) { slots.write(key, 0, levels); });
+  for_channels(false, [&](ChannelKey key) { slots.write(key, slots.read(key, before), levels); });
 }
 
 std::unique_ptr<HandLevels> moved_hand(const HandLevels& hand, const PreviewScene& from, const PreviewScene& to) {

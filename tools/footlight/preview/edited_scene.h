@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "fixtures/model/rig.h"
@@ -29,6 +30,10 @@ using SharedScene = std::shared_ptr<PreviewScene>;
 
 // The universes of compiled in which a log may have levels: not those that were made up for faders.
 [[nodiscard]] std::vector<Universe> logged_universes(const PreviewScene& scene);
+
+// Puts the channels of fixtures of `from` that `to` has no more to 0, but for slots that another fixture shares.
+// levels: those of `from`. For pictures of the rig from before an edit: what is deleted is dark in the next one.
+void darken_deleted(const PreviewScene& from, const PreviewScene& to, std::span<std::uint8_t> levels);
 
 // For each fixture of one scene its index in another one; -1: it is not there.
 [[nodiscard]] std::vector<int> fixture_moves(const PreviewScene& from, const PreviewScene& to);

@@ -36,10 +36,10 @@ bool ready(const std::future<T>& future) {
 // What a change of darkness is told with; empty: nothing. Those of the dead man's switch are in the band.
 std::string words_of(Darkness now, Darkness before) {
   switch (now) {
-    case Darkness::kAsked: return "blackout: all armed outputs send zeros";
-    case Darkness::kSilence: return "blackout: the window gave no levels for 2.5 s; Shift+B ends it";
+    case Darkness::kAsked: return "blackout of outputs: all that are armed send zeros";
+    case Darkness::kSilence: return "blackout of outputs: the window gave no levels for 2.5 s; Shift+B ends it";
     case Darkness::kNotHeld: return "";
-    case Darkness::kNone: return before == Darkness::kNotHeld ? "" : "the blackout has ended";
+    case Darkness::kNone: return before == Darkness::kNotHeld ? "" : "the blackout of outputs has ended";
   }
   return "";
 }
@@ -142,7 +142,7 @@ Result<std::unique_ptr<LiveOutputs>> LiveOutputs::start(OutputPlan plan, Open op
   std::vector<Universe> universes = plan.universes;
   for (PlannedOutput& planned : plan.outputs) {
     universes.insert(universes.end(), planned.universes.begin(), planned.universes.end());
-    live->outputs_.emplace_back().plan = std::move(planned);
+    live->keep(std::move(planned));
   }
   FL_ASSIGN(live->universes_, Universes::make(universes));
   FL_ASSIGN(live->waiter_, drivers::EpollWaiter::make());
@@ -183,18 +183,32 @@ Status LiveOutputs::check(const PlannedOutput& planned) const {
 
 Status LiveOutputs::add(PlannedOutput planned) {
   FL_TRY(check(planned));
-  outputs_.emplace_back().plan = std::move(planned);
+  keep(std::move(planned));
   return {};
 }
 
-Status LiveOutputs::replace(std::size_t index, PlannedOutput planned) {
-  Output& output = outputs_.at(index);
-  if (output.state != ArmState::kOff) {
-    return fail(ErrorCode::kBadInput, "{}: disarm it before it gets another universe", output.plan.endpoint.text);
+void LiveOutputs::keep(PlannedOutput planned) {
+  Output& output = outputs_.emplace_back();
+  output.id = next_id_++;
+  output.plan = std::move(planned);
+}
+
+LiveOutputs::Output* LiveOutputs::find(OutputId id) {
+  const auto at = std::find_if(outputs_.begin(), outputs_.end(), [&](const Output& one) { return one.id == id; });
+  return at == outputs_.end() ? nullptr : &*at;
+}
+
+Status LiveOutputs::replace(OutputId id, PlannedOutput planned) {
+  Output* const output = find(id);
+  if (output == nullptr) {
+    return fail(ErrorCode::kNotFound, "{}: the output was removed meanwhile; add it again", planned.endpoint.text);
+  }
+  if (output->state != ArmState::kOff) {
+    return fail(ErrorCode::kBadInput, "{}: disarm it before it gets another universe", output->plan.endpoint.text);
   }
   FL_TRY(check(planned));
-  output.plan = std::move(planned);
-  output.trouble.clear();
+  output->plan = std::move(planned);
+  output->trouble.clear();
   return {};
 }
 
@@ -204,14 +218,14 @@ void LiveOutputs::give(std::span<const Universe> universes, std::span<const std:
   feed_->give(clock_->now_ns(), universes, levels, sendable);
 }
 
-void LiveOutputs::arm(std::size_t index) {
-  Output& output = outputs_.at(index);
-  if (output.state != ArmState::kOff || output.removing) return;
-  output.state = ArmState::kOpening;
-  output.cancelled = false;
-  output.trouble.clear();
+void LiveOutputs::arm(OutputId id) {
+  Output* const output = find(id);
+  if (output == nullptr || output->state != ArmState::kOff || output->removing) return;
+  output->state = ArmState::kOpening;
+  output->cancelled = false;
+  output->trouble.clear();
   const NoSignals for_the_thread;
-  output.opening = std::async(std::launch::async, [this, plan = output.plan] { return open_(plan); });
+  output->opening = std::async(std::launch::async, [this, plan = output->plan] { return open_(plan); });
 }
 
 void LiveOutputs::take_opened(Output& output) {
@@ -236,25 +250,28 @@ void LiveOutputs::take_opened(Output& output) {
                    is_made_up(output.plan.endpoint) ? "to no lamp, since it is made up" : "to real lamps"));
 }
 
-void LiveOutputs::disarm(std::size_t index) {
-  Output& output = outputs_.at(index);
-  if (output.state == ArmState::kOpening) output.cancelled = true;
-  if (output.state != ArmState::kArmed) return;
-  output.state = ArmState::kClosing;
+void LiveOutputs::disarm(OutputId id) {
+  Output* const output = find(id);
+  if (output == nullptr) return;
+  if (output->state == ArmState::kOpening) output->cancelled = true;
+  if (output->state != ArmState::kArmed) return;
+  output->state = ArmState::kClosing;
   const auto closed = std::make_shared<std::promise<void>>();
-  output.closing = closed->get_future();
-  pump_->call([this, sink = std::move(output.sink), closed]() mutable {
+  output->closing = closed->get_future();
+  pump_->call([this, sink = std::move(output->sink), closed]() mutable {
     pump_->remove_sink(*sink);
     sink.reset();
     feed_->count_armed(-1);
     closed->set_value();
   });
-  note(fmt::format("{}: disarmed: it ends with zeros", output.plan.endpoint.text));
+  note(fmt::format("{}: disarmed: it ends with zeros", output->plan.endpoint.text));
 }
 
-void LiveOutputs::remove(std::size_t index) {
-  outputs_.at(index).removing = true;
-  disarm(index);
+void LiveOutputs::remove(OutputId id) {
+  Output* const output = find(id);
+  if (output == nullptr) return;
+  output->removing = true;
+  disarm(id);
 }
 
 void LiveOutputs::black_out() {
@@ -281,9 +298,9 @@ void LiveOutputs::hold(bool held) {
 }
 
 void LiveOutputs::follow(OutputsView& view) {
-  for (const std::size_t index : std::exchange(view.arm, {})) arm(index);
-  for (const std::size_t index : std::exchange(view.disarm, {})) disarm(index);
-  for (const std::size_t index : std::exchange(view.remove, {})) remove(index);
+  for (const OutputId id : std::exchange(view.arm, {})) arm(id);
+  for (const OutputId id : std::exchange(view.disarm, {})) disarm(id);
+  for (const OutputId id : std::exchange(view.remove, {})) remove(id);
   if (const auto blackout = std::exchange(view.blackout, std::nullopt)) *blackout ? black_out() : lift();
   need_hold(view.needs_hold);
 
@@ -299,6 +316,8 @@ void LiveOutputs::follow(OutputsView& view) {
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     Output& output = outputs_[i];
     OutputRow& row = view.rows[i];
+    row.id = output.id;
+    row.leaves = output.removing;
     row.endpoint = output.plan.endpoint.text;
     row.universes = output.plan.universes;
     row.can_move = output.state == ArmState::kOff && moved_endpoint(output.plan.endpoint, 1).has_value();
@@ -327,6 +346,16 @@ void LiveOutputs::note(std::string text) {
 std::vector<std::string> LiveOutputs::notices() {
   const std::lock_guard lock(mutex_);
   return std::exchange(notices_, {});
+}
+
+bool end_without_outputs(std::unique_ptr<LiveOutputs>& outputs, OutputsView& view) {
+  if (!outputs || !outputs->empty()) return false;
+  outputs.reset();
+  view.rows.clear();
+  view.darkness = Darkness::kNone;
+  view.notice.clear();
+  view.blackout.reset();
+  return true;
 }
 
 }  // namespace footlight::tools

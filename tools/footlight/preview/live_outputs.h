@@ -3,7 +3,7 @@
 //   FL_ASSIGN(const OutputPlan plan, plan_outputs(texts, *scene));
 //   FL_ASSIGN(auto outputs, LiveOutputs::start(plan, open, clock));
 //   outputs->follow(view);                              // rows to show
-//   ... view.arm.push_back(0); ...                      // the user
+//   ... view.arm.push_back(view.rows[0].id); ...        // the user
 //   outputs->give(universes, levels, sendable); outputs->follow(view);    // once a turn
 //
 // An output that is not armed is not open, so it can send nothing. Arming opens it, on a thread of its own. Disarming
@@ -75,16 +75,19 @@ class LiveOutputs {
   // One more output, not armed. kBadInput if it is there already, or carries a universe that the plan of start() did
   // not have.
   Status add(PlannedOutput planned);
-  // Makes an output that is off another one. Errors: those of add(); kBadInput if it is on.
-  Status replace(std::size_t index, PlannedOutput planned);
+  // Makes an output that is off another one, with the same id. Errors: those of add(); kBadInput if it is on;
+  // kNotFound if it has left the list.
+  Status replace(OutputId id, PlannedOutput planned);
   // Carries out what the view asks of its rows, and makes it show what is.
   void follow(OutputsView& view);
 
-  // Does nothing with one that is not kOff.
-  void arm(std::size_t index);
-  void disarm(std::size_t index);
+  // Does nothing with one that is not kOff. All of these do nothing with one that has left the list.
+  void arm(OutputId id);
+  void disarm(OutputId id);
   // Out of the list: at once where it is off, else after it has ended dark and is closed, in a follow().
-  void remove(std::size_t index);
+  void remove(OutputId id);
+  // None is in the list any more.
+  [[nodiscard]] bool empty() const { return outputs_.empty(); }
   void black_out();
   void lift();
   // As of OutputFeed. follow() asks for the first one.
@@ -97,6 +100,7 @@ class LiveOutputs {
 
  private:
   struct Output {
+    OutputId id = 0;
     PlannedOutput plan;
     ArmState state = ArmState::kOff;
     bool cancelled = false;  // kOpening: it was disarmed meanwhile
@@ -109,12 +113,15 @@ class LiveOutputs {
 
   LiveOutputs() = default;
   [[nodiscard]] Status check(const PlannedOutput& planned) const;
+  void keep(PlannedOutput planned);
+  [[nodiscard]] Output* find(OutputId id);
   void take_opened(Output& output);
   void note(std::string text);
 
   Clock* clock_ = nullptr;
   Open open_;
-  std::vector<Output> outputs_;
+  std::vector<Output> outputs_;  // in the order in which they were added
+  OutputId next_id_ = 0;
   std::vector<Universe> sendable_;  // of the last give()
   std::unique_ptr<OutputFeed> feed_;
   std::unique_ptr<Universes> universes_;
@@ -126,5 +133,9 @@ class LiveOutputs {
   std::vector<std::string> notices_;  // guarded by mutex_
   std::jthread thread_;
 };
+
+// After a follow(): once the last output has left the list, nothing is left of them, neither a blackout nor the
+// universes that they could carry. True if that was now.
+bool end_without_outputs(std::unique_ptr<LiveOutputs>& outputs, OutputsView& view);
 
 }  // namespace footlight::tools

@@ -19,6 +19,7 @@ struct PreviewOptions {
   SceneFiles files;
   std::vector<std::string> ins;      // endpoints; if there are any but controls, no log drives the rig
   std::vector<std::string> outputs;  // endpoints to real lamps; each sends nothing until the user arms it
+  bool outputs_stay = false;         // they are those of the window before: one that does not fit the rig is left out
   bool hold_to_live = false;         // outputs are live only while a key is held
   std::string socket = "auto";       // for commands by hand: a file, auto or none
   std::string compare;               // log whose levels are compared with those of the window; empty: none
@@ -34,6 +35,7 @@ struct PreviewOptions {
   std::string language;              // "de"; empty: as the environment has it, "en": English
   std::optional<int> ui_percent;     // size of the user interface; default: as the settings have it
   std::optional<int> views;          // of the stage: 1, 2 or 4; default: as the settings have it
+  bool locked = false;               // nothing in the window edits the rig or sets levels
   bool handles = false;              // handles of the selected fixtures are shown at the start
   std::string device;
   std::string screenshot;               // PNG of the last frame; empty: none

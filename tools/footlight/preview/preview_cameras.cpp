@@ -26,7 +26,8 @@ void Preview::show_cameras() {
   const bool same =
       std::equal(cameras.begin(), cameras.end(), facts_.cameras.begin(), facts_.cameras.end(),
                  [](const fixtures::Camera& camera, const std::string& name) { return camera.name == name; });
-  facts_.can_edit = desk_->can_edit();
+  facts_.can_edit = desk_->can_edit() && !desk_->locked();
+  facts_.locked = desk_->locked();
   if (same) return;
   facts_.cameras.clear();
   for (const fixtures::Camera& camera : cameras) facts_.cameras.push_back(camera.name);

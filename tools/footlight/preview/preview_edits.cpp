@@ -184,6 +184,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       videos_.show_all_again();
       if ((*made)->player) player_ = std::move((*made)->player);
       curve_.reset();
+      first_of_edit_ = true;
       const SharedScene before = std::exchange(framed_, std::exchange(making_scene_, nullptr));
       if (!same_videos(before->rig, framed_->rig)) {  // a fixture with a video as its content came or went
         auto videos = DisplayVideos::open(framed_->rig, ClipPace::kAhead);

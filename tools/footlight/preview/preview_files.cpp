@@ -75,6 +75,7 @@ void Preview::add_definition(const std::string& path) {
 }
 
 void Preview::ask_to_open(NextWindow next) {
+  if (desk_->locked()) return tell(locked_words());
   std::error_code trouble;
   for (const std::string& path : {next.rig, next.log}) {
     if (path.empty() || std::filesystem::exists(path, trouble)) continue;

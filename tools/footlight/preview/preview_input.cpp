@@ -99,6 +99,10 @@ void Preview::draw_ui(DurationNs dt_ns) {
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(size.x), static_cast<float>(size.y));
   }
+  if (desk_->locked()) {
+    const bool of_inputs = inputs_view_.drop_requests();
+    if (outputs_view_.drop_requests() || of_inputs) (void)desk_->refuses();
+  }
   const OutputsView* outputs = outputs_ ? &outputs_view_ : nullptr;
   const bool palette_open = palette_.is_open();
   if (const auto found = palette_.draw(*desk_, player_ != nullptr, outputs, window_->ui_scale())) {
@@ -127,10 +131,12 @@ void Preview::draw_ui(DurationNs dt_ns) {
   if (desk_->take_forgot()) tell(tr("undo needed more than a gibibyte: its oldest steps are forgotten"));
   draw_toasts(messages_, begun_ns, {static_cast<float>(size.x), static_cast<float>(size.y)}, window_->ui_scale());
   const auto width = static_cast<float>(size.x);
-  const float below = outputs_ ? draw_live_band(outputs_view_, width, window_->ui_scale()) : 0;
-  draw_made_up_tag(inputs_view_, width, below);
-  const float tags = made_up_words(inputs_view_).empty() ? below : below + 2 * ImGui::GetFontSize();
-  if (busy_mark_.draw(busy(), clock_.now_ns(), width, tags, window_->ui_scale())) cancel_busy();
+  StageTags tags(width);
+  if (outputs_) draw_live_band(outputs_view_, tags, window_->ui_scale());
+  draw_first_wait(times_.count(), last_ns_ - start_ns_, width);
+  draw_input_tags(inputs_view_, tags);
+  if (desk_->locked()) draw_lock(tags, window_->ui_scale());
+  if (busy_mark_.draw(busy(), clock_.now_ns(), width, tags.bottom(), window_->ui_scale())) cancel_busy();
   print_commands();
   if (recording_) draw_recording_mark(recording_->elapsed_ns(), window_->ui_scale());
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
@@ -270,6 +276,7 @@ void Preview::step_history(bool back) {
 
 void Preview::call(const UiCall& call) {
   const OutputsView* outputs = outputs_ ? &outputs_view_ : nullptr;
+  if (std::string why = why_still_dark(call); !why.empty()) return tell(std::move(why));
   if (std::string why = why_not(call, *desk_, player_ != nullptr, outputs); !why.empty()) return tell(std::move(why));
   if (auto news = run_on_desk(*desk_, call)) {
     if (!news->text.empty()) tell(std::move(news->text), news->wrong);

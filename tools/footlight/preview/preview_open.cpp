@@ -95,6 +95,7 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   show_exposure();
   FL_TRY(panels_.open_words(options_.panels, *desk_));
   desk_->set_handles(options_.handles);
+  desk_->set_locked(options_.locked);
   desk_->set_flashes(options_.flashes);
   note_recent();
   picture_haze_per_m_ = framed_->rig.haze.scattering_per_m;
@@ -157,7 +158,7 @@ Result<bool> Preview::open(const StopSignal& signal) {
   const auto take_rig = [&]() -> Status {
     FL_ASSIGN(camera, find_camera(framed_->rig, options_.camera));
     FL_TRY(take_lens(options_.camera_words, camera, lens_));
-    FL_TRY(open_outputs(options_.outputs));
+    FL_TRY(options_.outputs_stay ? keep_outputs(options_.outputs) : open_outputs(options_.outputs));
     FL_TRY(open_hand());
     return open_levels();
   };

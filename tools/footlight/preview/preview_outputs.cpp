@@ -44,13 +44,22 @@ Status Preview::open_outputs(std::span<const std::string> texts) {
   return {};
 }
 
+// Those of the window before, as its user has left them; a message names each that does not fit this rig.
+Status Preview::keep_outputs(std::span<const std::string> texts) {
+  for (const std::string& text : texts) {
+    if (const Status added = open_outputs({&text, 1}); !added) tell(added.error());
+  }
+  return {};
+}
+
 Status Preview::move_output(const OutputsView::Move& move) {
-  if (!outputs_ || move.row >= outputs_view_.rows.size()) return {};
-  FL_ASSIGN(const Endpoint endpoint, parse_port(outputs_view_.rows[move.row].endpoint));
+  const OutputRow* const row = outputs_view_.find(move.id);
+  if (!outputs_ || row == nullptr) return {};
+  FL_ASSIGN(const Endpoint endpoint, parse_port(row->endpoint));
   const auto text = moved_endpoint(endpoint, move.to);
   if (!text || *text == endpoint.text) return {};
   FL_ASSIGN(OutputPlan plan, plan_outputs({&*text, 1}, *edited_->scene()));
-  return outputs_->replace(move.row, std::move(plan.outputs.front()));
+  return outputs_->replace(move.id, std::move(plan.outputs.front()));
 }
 
 // Once a turn, also while the picture stands still: the newest levels, and what the user asks for.
@@ -74,9 +83,6 @@ void Preview::drive_outputs() {
     outputs_view_.refusal = moved ? "" : tr_known(moved.error().message);
   }
   if (!outputs_) return;
-  for (const std::size_t index : outputs_view_.remove) {
-    removed_outputs_.push_back(outputs_view_.rows.at(index).endpoint);
-  }
   if (live_) live_->take();
   const auto levels = panel_levels();
   outputs_->give(desk_->compiled().universes, levels, sendable);
@@ -93,6 +99,13 @@ void Preview::drive_outputs() {
     tell(words, notice.starts_with("not armed"));
     outputs_view_.notice = std::move(words);
   }
+  (void)end_without_outputs(outputs_, outputs_view_);
+}
+
+// There are two blackouts, and Shift+B ends one of them: what to do where it is the other one that is on.
+std::string Preview::why_still_dark(const UiCall& call) const {
+  const bool ends_none = call.action == UiAction::kEndBlackout && !is_blackout(outputs_view_.darkness);
+  return ends_none && inputs_view_.dark_by_hand ? hand_blackout_end() : "";
 }
 
 // True if the call was for outputs.

@@ -12,6 +12,7 @@
 
 #include "tools/footlight/preview/ui/level_source.h"
 #include "tools/footlight/preview/ui/report_view.h"
+#include "tools/footlight/preview/ui/ui_desk.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 #include "tools/footlight/preview/ui/words.h"
 
@@ -152,7 +153,7 @@ void draw_camera_menu(const PreviewFacts& facts, PreviewControls& controls, std:
 void draw_haze(const PreviewFacts& facts, PreviewControls& controls) {
   if (!facts.can_haze) return;
   ImGui::Checkbox(tr_label("haze"), &controls.haze);
-  if (!controls.haze) return;
+  if (!controls.haze || facts.locked) return;
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-1);
   auto haze = static_cast<float>(facts.room_haze_per_m);
@@ -162,6 +163,14 @@ void draw_haze(const PreviewFacts& facts, PreviewControls& controls) {
   }
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("%s", tr("Light that the room's haze scatters, per metre. Ctrl and a click: type."));
+}
+
+// A line below what cannot be moved.
+void tell_lock(const PreviewFacts& facts) {
+  if (!facts.locked) return;
+  ImGui::PushTextWrapPos(0);
+  ui_text(kUiDim, locked_words());
+  ImGui::PopTextWrapPos();
 }
 
 void draw_flashes(const PreviewFacts& facts, PreviewControls& controls) {
@@ -419,7 +428,12 @@ void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const Live
     ImGui::PopTextWrapPos();
     if (facts.has_log) draw_log(controls);
     if (live != nullptr) draw_live(facts, *live);
-    if (hand != nullptr) draw_hand(facts, controls, *hand);
+    if (hand != nullptr) {
+      ImGui::BeginDisabled(facts.locked);
+      draw_hand(facts, controls, *hand);
+      ImGui::EndDisabled();
+      tell_lock(facts);
+    }
     draw_view(facts, controls);
     draw_quality(facts, controls);
     draw_cost(facts);

@@ -23,6 +23,7 @@ struct PreviewFacts {
   std::string device;
   std::vector<std::string> cameras;
   bool can_edit = false;  // cameras can be stored
+  bool locked = false;    // faders and the haze of the rig cannot be moved
   std::vector<std::string> fixtures;
   bool can_haze = false;       // the rig has haze to turn off
   bool can_probes = false;     // and reflection probes

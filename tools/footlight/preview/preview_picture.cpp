@@ -79,8 +79,10 @@ bool Preview::is_compiled(const PixelRect& where) {
 Busy Preview::busy() const {
   BusyWork work;
   if (reading_curves_.valid()) work.knobs_share = curves_share_.load();
-  work.makes_frame = making_.valid();
-  work.undone = edited_->scene() == framed_;
+  // From the edit to its first picture: one may be in flight, and drivers compile some shaders while they draw.
+  const bool waits = edited_->scene() != framed_ && edited_->scene() != failed_;
+  work.makes_frame = making_.valid() || first_of_edit_ || waits;
+  work.undone = making_.valid() && edited_->scene() == framed_;
   work.can_undo = desk_->edited_last();
   if (player_) work.seeking = player_->seeking();
   if (!work.seeking) work.seeking = both_.seeking();

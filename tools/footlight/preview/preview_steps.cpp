@@ -120,6 +120,13 @@ void Preview::give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool 
     lay_over(framed_->compiled.universes, overlaid_);
     levels = overlaid_;
   }
+  // Pictures of the rig from before an edit go on while the first ones are rough, and if no frame of the edited rig can
+  // be made.
+  if (edited_->scene() != framed_) {
+    if (levels.data() != overlaid_.data()) overlaid_.assign(levels.begin(), levels.end());
+    darken_deleted(*framed_, *edited_->scene(), overlaid_);
+    levels = overlaid_;
+  }
   if (recording_ && !player_) recording_->take(step_ns_, framed_->compiled.universes, levels);
   step_ns_ += dt_ns;
   if (both_.holds_steps()) {

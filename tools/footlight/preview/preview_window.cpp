@@ -295,6 +295,7 @@ Status Preview::read_picture() {
   picture_since_ns_ = last_ns_;
   times_.add(picture_ms);
   ++second_frames_;
+  first_of_edit_ = false;
   FL_ASSIGN(auto passes, frame_->read_times());
   double gpu_ms = 0;
   for (const auto& pass : passes) gpu_ms += pass.gpu_ms;
@@ -536,7 +537,9 @@ void leave_to_next(PreviewOptions& options, const Preview& preview) {
   if (options.seconds > 0) options.seconds = std::max(options.seconds - preview.seconds(), kSecondsLeast);
   options.ins = preview.inputs();
   options.hold_to_live = preview.holds_to_live();
-  for (const std::string& removed : preview.removed_outputs()) std::erase(options.outputs, removed);
+  options.locked = preview.locked();
+  options.outputs = preview.outputs();
+  options.outputs_stay = true;
   if (const auto flashes = preview.flashes()) options.flashes = *flashes;
   keep_look(options, preview.settings());
 }

@@ -82,9 +82,10 @@ class Preview {
     return desk_ ? std::optional(desk_->flashes()) : std::nullopt;
   }
 
-  // Outputs that the user has removed from the list: endpoints.
-  [[nodiscard]] const std::vector<std::string>& removed_outputs() const { return removed_outputs_; }
+  // Likewise those of outputs.
+  [[nodiscard]] std::vector<std::string> outputs() const { return outputs_view_.staying(); }
   [[nodiscard]] bool holds_to_live() const { return outputs_view_.needs_hold; }
+  [[nodiscard]] bool locked() const { return desk_ && desk_->locked(); }
 
   // The looks of the window, once it has opened.
   [[nodiscard]] const WindowSettings& settings() const { return settings_; }
@@ -202,9 +203,11 @@ class Preview {
 
   // Outputs to real lamps: preview_outputs.cpp.
   Status open_outputs(std::span<const std::string> texts);
+  Status keep_outputs(std::span<const std::string> texts);
   Status move_output(const OutputsView::Move& move);
   void drive_outputs();
   bool call_outputs(const UiCall& call);
+  [[nodiscard]] std::string why_still_dark(const UiCall& call) const;
 
   // Inputs that come and go: preview_inputs.cpp.
   Status start_live(std::vector<std::unique_ptr<Source>> sources);
@@ -352,7 +355,6 @@ class Preview {
   TimeNs step_ns_ = 0;                      // when the step that is given next begins, of live inputs and faders
   std::unique_ptr<LiveOutputs> outputs_;    // null: there are none
   OutputsView outputs_view_;
-  std::vector<std::string> removed_outputs_;
   std::optional<DamageWatch> compared_watch_;  // of compared_
   std::unique_ptr<ComparedLog> compared_;  // whose levels are A of the comparison; null: none
   TimeNs compared_since_ns_ = 0;           // without a log that plays: when it began
@@ -434,6 +436,7 @@ class Preview {
   SharedScene making_scene_;                           // of it
   SharedScene failed_;                                 // of which no frame can be made
   TimeNs made_begun_ns_ = 0;
+  bool first_of_edit_ = false;  // the frame of an edited rig is there, and no picture of it yet
   std::unique_ptr<Autosave> autosave_;
   std::optional<FolderClaim> recovered_;  // of the copy that the rig was read from
   std::uint64_t saved_revision_ = 0;      // of the edited rig as it is in its file

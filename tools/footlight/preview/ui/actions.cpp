@@ -11,6 +11,7 @@
 namespace footlight::tools {
 
 std::string label_of(const KeyRow& row, const UiDesk& desk) {
+  if (row.call.action == UiAction::kLock) return desk.locked() ? tr("unlock: edits and levels") : tr(row.does);
   if (row.call.action == UiAction::kFlashes) return trf("{} (now {})", tr(row.does), tr(word_of(desk.flashes())));
   const UiCommand* command = row.call.action == UiAction::kUndo   ? desk.history().next_undo()
                              : row.call.action == UiAction::kRedo ? desk.history().next_redo()
@@ -37,6 +38,27 @@ std::string why_not_edited(const UiDesk& desk, bool needs_selection) {
   return when(needs_selection && desk.selected().empty(), tr("select a fixture first"));
 }
 
+// What a locked window refuses. Blackouts, outputs, cameras, the timeline and panels are not among it.
+bool is_locked_away(const UiCall& call, const UiDesk& desk) {
+  switch (call.action) {
+    case UiAction::kUndo: return desk.locks(desk.history().next_undo());
+    case UiAction::kRedo: return desk.locks(desk.history().next_redo());
+    case UiAction::kOpen:
+    case UiAction::kOpenRecent:
+    case UiAction::kOpenRecentLog:
+    case UiAction::kDelete:
+    case UiAction::kUnpatch:
+    case UiAction::kEditField:
+    case UiAction::kNudge:
+    case UiAction::kStoreCamera:
+    case UiAction::kHighlight:
+    case UiAction::kLocate:
+    case UiAction::kReleaseAll:
+    case UiAction::kTap: return desk.locked();
+    default: return false;
+  }
+}
+
 std::string why_not_exposed(const UiDesk& desk, bool brighter) {
   const Exposure& exposure = desk.state().exposure;
   if (exposure.automatic) return tr("the exposure is automatic");
@@ -46,6 +68,7 @@ std::string why_not_exposed(const UiDesk& desk, bool brighter) {
 }  // namespace
 
 std::string why_not(const UiCall& call, const UiDesk& desk, bool has_log, const OutputsView* outputs) {
+  if (is_locked_away(call, desk)) return locked_words();
   const UiMenu menu = menu_of(call.action);
   if (menu == UiMenu::kPlayback && !has_log) return tr("no log plays: drop one on the window, or start with --log");
   if (menu == UiMenu::kOutputs && outputs == nullptr) {
@@ -126,10 +149,12 @@ std::vector<UiActionItem> action_items(const UiDesk& desk, bool has_log, const O
                      tr(panel.key_text)});
   }
   for (std::size_t i = 0; i < desk.recent_rigs().size(); ++i) {
-    items.push_back({{UiAction::kOpenRecent, static_cast<int>(i)}, trf("open {}", desk.recent_rigs()[i]), {}});
+    const UiCall call{UiAction::kOpenRecent, static_cast<int>(i)};
+    items.push_back({call, trf("open {}", desk.recent_rigs()[i]), {}, why_not(call, desk, has_log, outputs)});
   }
   for (std::size_t i = 0; i < desk.recent_logs().size(); ++i) {
-    items.push_back({{UiAction::kOpenRecentLog, static_cast<int>(i)}, trf("open {}", desk.recent_logs()[i]), {}, {}});
+    const UiCall call{UiAction::kOpenRecentLog, static_cast<int>(i)};
+    items.push_back({call, trf("open {}", desk.recent_logs()[i]), {}, why_not(call, desk, has_log, outputs)});
   }
   for (std::size_t i = 0; has_log && i < desk.state().markers.size(); ++i) {
     const Marker& marker = desk.state().markers[i];

@@ -36,6 +36,16 @@ Busy busy_of(const BusyWork& work) {
   return {};
 }
 
+void draw_first_wait(std::uint64_t pictures, DurationNs waited_ns, float stage_width) {
+  if (pictures > 0) return;
+  // With all shaders in the cache the picture comes sooner.
+  const char* const what = waited_ns < BusyMark::kPatienceNs ? tr("Preparing the picture") : tr("Compiling shaders");
+  const std::string words = fmt::format("{} ... {:.0f} s", what, static_cast<double>(waited_ns) * 1e-9);
+  const ImVec2 size = ImGui::CalcTextSize(words.c_str());
+  const ImVec2 at((std::max(stage_width, 1.0f) - size.x) / 2, (ImGui::GetIO().DisplaySize.y - size.y) / 2);
+  ImGui::GetBackgroundDrawList()->AddText(at, ImGui::GetColorU32(kStageColours.text), words.c_str());
+}
+
 bool BusyMark::draw(const Busy& busy, TimeNs now_ns, float stage_width, float y, float scale) {
   if (busy.with != with_) {
     with_ = busy.with;

@@ -1,6 +1,7 @@
 // Shows over the stage why the picture waits, once that has lasted for half a second. Dear ImGui only.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -33,6 +34,11 @@ struct BusyWork {
 [[nodiscard]] Busy busy_of(const BusyWork& work);
 // The picture waits for a seek through a log.
 [[nodiscard]] Busy busy_with(const Transport::Seeking& seeking);
+
+// Before the first picture of the stage, in its middle and under all panels: that shaders are compiled. pictures: that
+// are done; with one there is nothing. waited_ns: since the frame is there. How many shaders are left is not known:
+// drivers compile some of them only while the first picture is drawn.
+void draw_first_wait(std::uint64_t pictures, DurationNs waited_ns, float stage_width);
 
 class BusyMark {
  public:

@@ -18,9 +18,8 @@ constexpr float kAskedLines = 5;  // outputs of the question that are in sight
 
 }  // namespace
 
-void ArmQuestion::ask(std::size_t which) {
+void ArmQuestion::ask(OutputId which) {
   asks_ = which;
-  asked_.clear();
   opens_ = true;
   clear_ = false;
 }
@@ -28,9 +27,8 @@ void ArmQuestion::ask(std::size_t which) {
 // The outputs that the question is about; many of them scroll, so that its buttons are in the window.
 void ArmQuestion::draw_asked(const OutputsView& outputs) const {
   std::vector<std::string> lines;
-  for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
-    const OutputRow& row = outputs.rows[i];
-    if ((*asks_ != kAll && *asks_ != i) || row.state != ArmState::kOff) continue;
+  for (const OutputRow& row : outputs.rows) {
+    if ((*asks_ != kAll && *asks_ != row.id) || row.state != ArmState::kOff) continue;
     lines.push_back(row.made_up ? trf("{}  universe {}  (made up: no lamp gets it)", row.endpoint,
                                       show_universes(row.sent()))
                                 : trf("{}  universe {}", row.endpoint, show_universes(row.sent())));
@@ -49,21 +47,25 @@ void ArmQuestion::draw_asked(const OutputsView& outputs) const {
 }
 
 void RemovalQuestion::draw(OutputsView& outputs) {
-  if (removes_.empty()) return;
+  if (!removes_) return;
   const char* const title = tr_label("Remove a live output?");
   if (std::exchange(opens_, false)) ImGui::OpenPopup(title);
-  if (!begin_question(title)) return removes_.clear();
+  if (!begin_question(title)) return removes_.reset();
+  const OutputRow* const row = outputs.find(*removes_);
+  if (row == nullptr) {  // it was removed meanwhile
+    removes_.reset();
+    ImGui::CloseCurrentPopup();
+    return ImGui::EndPopup();
+  }
   ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
-  ui_text(trf("{} is live. Its lamps get zeros, and it is closed.", removes_));
+  ui_text(trf("{} is live. Its lamps get zeros, and it is closed.", row->endpoint));
   ImGui::PopTextWrapPos();
   const bool yes = ImGui::Button(tr_label("Remove it"));
   ImGui::SameLine();
   const bool no = ImGui::Button(tr_label("Leave it"));
-  for (std::size_t i = 0; yes && i < outputs.rows.size(); ++i) {
-    if (outputs.rows[i].endpoint == removes_) outputs.remove.push_back(i);
-  }
+  if (yes) outputs.remove.push_back(row->id);
   if (yes || no) {
-    removes_.clear();
+    removes_.reset();
     ImGui::CloseCurrentPopup();
   }
   ImGui::EndPopup();
@@ -75,14 +77,13 @@ void ArmQuestion::draw(const UiInput& input) {
   if (!asks_) return;
   OutputsView& outputs = *input.outputs;
   if (opens_) ImGui::OpenPopup(kTitle);
-  if (opens_ && *asks_ < outputs.rows.size()) asked_ = outputs.rows[*asks_].endpoint;
   opens_ = false;
   if (!begin_question(kTitle)) {
     asks_.reset();
     return;
   }
   // One that was removed before it may have left the list meanwhile.
-  if (*asks_ != kAll && (*asks_ >= outputs.rows.size() || outputs.rows[*asks_].endpoint != asked_)) {
+  if (*asks_ != kAll && outputs.find(*asks_) == nullptr) {
     asks_.reset();
     ImGui::CloseCurrentPopup();
     return ImGui::EndPopup();
@@ -114,8 +115,8 @@ void ArmQuestion::draw(const UiInput& input) {
   ImGui::SameLine();
   const bool leaves = ImGui::Button(tr_label("Leave it"));
   if (arms) {
-    for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
-      if (*asks_ == kAll || *asks_ == i) outputs.arm.push_back(i);
+    for (const OutputRow& row : outputs.rows) {
+      if (*asks_ == kAll || *asks_ == row.id) outputs.arm.push_back(row.id);
     }
   }
   if (arms || leaves) {

@@ -1,10 +1,7 @@
 // Questions about outputs to real lamps: before they are armed, and before a live one is removed. Dear ImGui only.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <optional>
-#include <string>
 
 #include "tools/footlight/preview/ui/panels.h"
 
@@ -12,9 +9,9 @@ namespace footlight::tools {
 
 class ArmQuestion {
  public:
-  static constexpr std::size_t kAll = SIZE_MAX;  // outputs that are off
-  // About the output of a row. At the next draw().
-  void ask(std::size_t which);
+  static constexpr OutputId kAll = -1;  // outputs that are off
+  // At the next draw().
+  void ask(OutputId which);
   void drop() { asks_.reset(); }
   // Once a picture. A yes adds to OutputsView::arm.
   void draw(const UiInput& input);
@@ -22,25 +19,24 @@ class ArmQuestion {
  private:
   void draw_asked(const OutputsView& outputs) const;
 
-  std::optional<std::size_t> asks_;  // which output the question is about, or kAll
-  std::string asked_;                // its endpoint
-  bool opens_ = false;               // the question opens with this picture
-  bool clear_ = false;               // its tick
+  std::optional<OutputId> asks_;  // which output the question is about, or kAll
+  bool opens_ = false;            // the question opens with this picture
+  bool clear_ = false;            // its tick
 };
 
 class RemovalQuestion {
  public:
   // At the next draw().
-  void ask(const std::string& endpoint) {
-    removes_ = endpoint;
+  void ask(OutputId which) {
+    removes_ = which;
     opens_ = true;
   }
-  void drop() { removes_.clear(); }
+  void drop() { removes_.reset(); }
   // Once a picture. A yes adds to OutputsView::remove.
   void draw(OutputsView& outputs);
 
  private:
-  std::string removes_;  // empty: there is no question
+  std::optional<OutputId> removes_;  // nothing: there is no question
   bool opens_ = false;
 };
 

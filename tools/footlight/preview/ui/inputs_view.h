@@ -38,9 +38,15 @@ struct InputsView {
   bool tap = false;                  // of the tempo
   std::optional<std::string> learn;  // what the next control that moves is for, as "1.17"
   bool stop_learning = false;
+
+  // What a locked window refuses: all but the end of a blackout. True if there was something.
+  bool drop_requests();
 };
 
-// "BLACKOUT by hand", "MADE UP: mock:chase", "MADE UP: 2 inputs"; empty: there is none.
+// "MADE UP: mock:chase", "MADE UP: 2 inputs"; empty: there is none.
 [[nodiscard]] std::string made_up_words(const InputsView& view);
+// "BLACKOUT by hand", and how it ends, which is not how that of outputs does; empty: there is none.
+[[nodiscard]] std::string hand_blackout_words(const InputsView& view);
+[[nodiscard]] std::string hand_blackout_end();
 
 }  // namespace footlight::tools

@@ -22,6 +22,7 @@ enum class UiAction {
   kSaveAs,  // the rig in another file, by a dialog
   kDelete,  // what is selected
   kSelectAll,
+  kLock,  // and unlocks
   kHighlight,
   kLocate,
   kReleaseAll,

@@ -26,7 +26,28 @@ bool OutputsView::any_on() const {
 
 void OutputsView::disarm_all() {
   disarm.clear();
-  for (std::size_t i = 0; i < rows.size(); ++i) disarm.push_back(i);
+  for (const OutputRow& row : rows) disarm.push_back(row.id);
+}
+
+bool OutputsView::drop_requests() {
+  const bool any = add || move || !remove.empty();
+  add.reset();
+  move.reset();
+  remove.clear();
+  return any;
+}
+
+const OutputRow* OutputsView::find(OutputId id) const {
+  const auto at = std::find_if(rows.begin(), rows.end(), [&](const OutputRow& row) { return row.id == id; });
+  return at == rows.end() ? nullptr : &*at;
+}
+
+std::vector<std::string> OutputsView::staying() const {
+  std::vector<std::string> endpoints;
+  for (const OutputRow& row : rows) {
+    if (!row.leaves) endpoints.push_back(row.endpoint);
+  }
+  return endpoints;
 }
 
 std::string live_words(const OutputsView& view) {
@@ -39,15 +60,15 @@ std::string live_words(const OutputsView& view) {
     return real ? trf_n("LIVE: {} output", "LIVE: {} outputs", count, count)
                 : trf_n("LIVE: {} output (made up)", "LIVE: {} outputs (made up)", count, count);
   }
-  if (count == 0) return tr("BLACKOUT: no output is armed");
-  return trf_n("BLACKOUT: {} output sends zeros", "BLACKOUT: {} outputs send zeros", count, count);
+  if (count == 0) return tr("BLACKOUT of outputs: none is armed");
+  return trf_n("BLACKOUT of outputs: {} sends zeros", "BLACKOUT of outputs: {} send zeros", count, count);
 }
 
 std::string blackout_words(const OutputsView& view) {
   switch (view.darkness) {
     case Darkness::kNone: return "";
-    case Darkness::kAsked: return tr("Shift+B ends it");
-    case Darkness::kSilence: return tr("The window gave no levels for 2.5 s. Shift+B ends it");
+    case Darkness::kAsked: return tr("Shift+B ends the blackout of outputs");
+    case Darkness::kSilence: return tr("The window gave no levels for 2.5 s. Shift+B ends the blackout of outputs");
     case Darkness::kNotHeld: return trf("Lamps are live while {} is held", tr(kHoldKeyName));
   }
   return "";

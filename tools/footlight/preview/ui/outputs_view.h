@@ -37,12 +37,17 @@ enum class Darkness : std::uint8_t {
   return darkness == Darkness::kAsked || darkness == Darkness::kSilence;
 }
 
+// Of an output for as long as it is in the list, and of no other one of the window.
+using OutputId = int;
+
 struct OutputRow {
+  OutputId id = 0;
   std::string endpoint;
   std::vector<Universe> universes;  // that it carries
   std::vector<Universe> left_out;   // of them, those that are not sent: no address of the rig is in them
   bool can_move = false;            // to another universe: a device with one, not armed
   bool made_up = false;             // a model inside the program: no lamp gets what it sends
+  bool leaves = false;              // it was removed, and leaves the list once it is dark and closed
   ArmState state = ArmState::kOff;
   std::string trouble;               // why it could not be armed; empty: it could, or was not asked for
   std::optional<PortStatus> status;  // while it is armed; at most two seconds old
@@ -69,15 +74,15 @@ struct OutputsView {
   std::vector<PluggedDevice> devices;  // while somebody looks for them; at most two seconds old
   std::string refusal;                 // why the last output that was to be added was not; empty: it was
 
-  // What the user asks for; the loop carries it out and resets it. Indices into rows.
-  std::vector<std::size_t> arm;
-  std::vector<std::size_t> disarm;
-  std::vector<std::size_t> remove;  // from the list, once it is dark and closed
+  // What the user asks for; the loop carries it out and resets it. An id whose row is gone by then is ignored.
+  std::vector<OutputId> arm;
+  std::vector<OutputId> disarm;
+  std::vector<OutputId> remove;    // from the list, once it is dark and closed
   std::optional<bool> blackout;    // false: ends
   bool needs_hold = false;         // lamps are live only while kHoldKeyName is held; stays as it is set
   std::optional<std::string> add;  // an endpoint; it is not armed
   struct Move {
-    std::size_t row = 0;  // that can_move
+    OutputId id = 0;  // of a row that can_move
     Universe to = 0;
   };
   std::optional<Move> move;
@@ -88,9 +93,15 @@ struct OutputsView {
   // Some output is armed, or will be.
   [[nodiscard]] bool any_on() const;
   void disarm_all();
+  // What a locked window refuses: outputs that come, go or get another universe. True if there was something.
+  bool drop_requests();
+  // nullptr: it has left the list.
+  [[nodiscard]] const OutputRow* find(OutputId id) const;
+  // The endpoints of those that stay in the list, as they are now, for a window that follows.
+  [[nodiscard]] std::vector<std::string> staying() const;
 };
 
-// "LIVE: 2 outputs", "LIVE: 1 output (made up)" where no lamp gets anything, "BLACKOUT: 2 outputs send
+// "LIVE: 2 outputs", "LIVE: 1 output (made up)" where no lamp gets anything, "BLACKOUT of outputs: 2 send
 // zeros"; empty if there is nothing to say: no output is armed, and there is no blackout.
 [[nodiscard]] std::string live_words(const OutputsView& view);
 // How a blackout ends, and why it began if the user did not ask for it; empty without one.

@@ -61,7 +61,7 @@ constexpr std::array<PanelInfo, 9> kPanels{{
      GLFW_KEY_F6,
      "F6",
      tr_mark("inputs and outputs; arms outputs to real lamps"),
-     {0.5f, 0.5f, 700, 380, 0.6f},
+     {0.5f, 0.5f, 700, 540, 0.75f, true},
      make_devices_panel},
     {"library",
      tr_mark("Library"),
@@ -146,7 +146,8 @@ void UiPanels::draw(UiDesk& desk, const UiInput& input, float stage_width, float
     ImGui::SetNextWindowSize({width, height}, ImGuiCond_FirstUseEver);
     ImGui::SetNextWindowSizeConstraints({200 * input.scale, 100 * input.scale}, {1e5f, 1e5f});
     bool stays = true;
-    if (ImGui::Begin(tr_label(info.title), &stays, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav)) {
+    const ImGuiWindowFlags scrolls = info.place.has_scrollbar ? ImGuiWindowFlags_AlwaysVerticalScrollbar : 0;
+    if (ImGui::Begin(tr_label(info.title), &stays, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav | scrolls)) {
       open_[i]->draw(desk, input);
     }
     ImGui::End();

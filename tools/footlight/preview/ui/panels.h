@@ -67,6 +67,7 @@ struct PanelPlace {
   float width = 0;  // units of the user interface at scale 1
   float height = 0;
   float height_share = 1;  // of the stage's height, at most
+  bool has_scrollbar = false;  // always, so that nothing moves aside when it is needed
 };
 
 struct PanelInfo {

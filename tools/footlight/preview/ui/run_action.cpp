@@ -39,6 +39,9 @@ std::optional<ActionNews> run_on_desk(UiDesk& desk, const UiCall& call) {
     case UiAction::kDelete: return ActionNews{delete_selected(desk), false};
     case UiAction::kUnpatch: return ActionNews{unpatch_selected(desk), false};
     case UiAction::kSelectAll: return select_all(desk);
+    case UiAction::kLock:
+      desk.set_locked(!desk.locked());
+      return ActionNews{desk.locked() ? locked_words() : tr("unlocked"), false};
     case UiAction::kHandles: return show_handles(desk);
     case UiAction::kNudge:
       return ActionNews{nudge_selected(desk, nudge_axis(call.argument), nudge_sign(call.argument) * kNudgeM), true};

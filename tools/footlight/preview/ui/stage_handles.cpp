@@ -232,6 +232,7 @@ bool StageHandles::take(UiDesk& desk, const HandleInput& input) {
   if (dragging()) return true;
   hovered_ = input.over_stage ? part_at(input.mouse, input.scale) : HandlePart::kNone;
   if (hovered_ == HandlePart::kNone || !input.pressed) return false;
+  if (desk.refuses()) return true;
   selection_ = desk.state().selection;
   begin(hovered_, input);
   return true;

@@ -81,7 +81,27 @@ void UiDesk::note_done(DoneCommand done) {
   done_.push_back(std::move(done));
 }
 
+std::string locked_words() {
+  return tr("The window is locked: nothing in it edits the rig or sets levels. Ctrl+Shift+L unlocks it");
+}
+
+bool UiDesk::locks(const UiCommand* command) const {
+  if (!locked_ || command == nullptr) return false;
+  if (std::holds_alternative<SelectFixtures>(*command)) return lights_ != Writes::kNothing;
+  return std::holds_alternative<EditRig>(*command) || std::holds_alternative<TakeChannels>(*command);
+}
+
+bool UiDesk::refuses() {
+  if (locked_ && std::exchange(refused_, gesture_) != gesture_) tell(locked_words());
+  return locked_;
+}
+
+void UiDesk::set_lights(Writes lights) {
+  if (lights != lights_ && !refuses()) lights_ = lights;
+}
+
 void UiDesk::run(UiCommand command) {
+  if (locks(&command)) return (void)refuses();
   const auto ran = history_.run(state_, std::move(command), gesture_);
   if (ran == UiHistory::Ran::kNothing) return;
   DoneCommand done{DoneCommand::How::kRun, text_of(*history_.next_undo(), rig())};
@@ -95,6 +115,7 @@ void UiDesk::run(UiCommand command) {
 Status UiDesk::edit(Result<fixtures::RigEdit> edit, std::optional<Selection> selects) {
   if (!edit) return tl::unexpected<Error>(std::move(edit).error());
   if (!can_edit()) return fail(ErrorCode::kUnsupported, "this rig cannot be edited");
+  if (locked_) return fail(ErrorCode::kUnsupported, "{}", locked_words());
   const std::uint64_t before = state_.revision;
   const bool remakes = remake_ && edit->edits_fixtures();
   run(EditRig{std::move(*edit), std::move(selects)});
@@ -138,8 +159,9 @@ void UiDesk::show_view_of(const UiCommand& command) {
 }
 
 std::string UiDesk::undo() {
+  if (locks(history_.next_undo())) return locked_words();
   const UiCommand* command = history_.undo(state_);
-  while (is_hidden(command)) command = history_.undo(state_);
+  while (is_hidden(command) && !locks(history_.next_undo())) command = history_.undo(state_);
   if (command == nullptr) return "";
   show_view_of(*command);
   if (const Status made = follow_rig(*command); !made) {
@@ -152,8 +174,9 @@ std::string UiDesk::undo() {
 }
 
 std::string UiDesk::redo() {
+  if (locks(history_.next_redo())) return locked_words();
   const UiCommand* command = history_.redo(state_);
-  while (is_hidden(command)) command = history_.redo(state_);
+  while (is_hidden(command) && !locks(history_.next_redo())) command = history_.redo(state_);
   if (command == nullptr) return "";
   show_view_of(*command);
   if (const Status made = follow_rig(*command); !made) {

@@ -34,6 +34,9 @@ inline constexpr float kDarkestEv = 30;
 // What a field of the patch edits of the selected fixtures.
 enum class EditField { kAddress, kName, kNumber, kClone };
 
+// Why a locked window refuses something, and how it is unlocked.
+[[nodiscard]] std::string locked_words();
+
 // A command that was carried out, for the log of the session.
 struct DoneCommand {
   enum class How { kRun, kUndo, kRedo };
@@ -185,12 +188,22 @@ class UiDesk {
   // Selected fixtures are lit in white: with Highlight wherever they point to or turn, with Locate at their home
   // position. At most one of the two is on.
   [[nodiscard]] bool highlights() const { return lights_ == Writes::kHighlight; }
-  void set_highlight(bool on) { lights_ = on ? Writes::kHighlight : Writes::kNothing; }
+  void set_highlight(bool on) { set_lights(on ? Writes::kHighlight : Writes::kNothing); }
   [[nodiscard]] bool locates() const { return lights_ == Writes::kLocate; }
-  void set_locate(bool on) { lights_ = on ? Writes::kLocate : Writes::kNothing; }
+  void set_locate(bool on) { set_lights(on ? Writes::kLocate : Writes::kNothing); }
   // What overlay() writes into a channel.
   enum class Writes { kNothing, kTaken, kHighlight, kLocate };
   [[nodiscard]] Writes writes(ChannelKey key);
+
+  // A locked desk takes no edit of the rig and no command that changes levels, whoever asks; edit() fails, the others
+  // tell why, once a gesture. Cameras, the look of the picture, markers and selections go on, but for a selection that
+  // is lit by Highlight or Locate.
+  [[nodiscard]] bool locked() const { return locked_; }
+  void set_locked(bool on) { locked_ = on; }
+  // Whether undo() or redo() would be refused.
+  [[nodiscard]] bool locks(const UiCommand* command) const;
+  // Tells why, once a gesture. True: it is locked.
+  bool refuses();
 
   // What harmful flashes of the picture do.
   [[nodiscard]] FlashMode flashes() const { return flashes_; }
@@ -232,6 +245,7 @@ class UiDesk {
   [[nodiscard]] const std::vector<Lit>& lit_channels(const fixtures::PatchedFixture& fixture);
   [[nodiscard]] bool is_lit(Lit lit) const { return lit == Lit::kLit || (lit == Lit::kPoints && locates()); }
   void run_taken(TakeChannels command);
+  void set_lights(Writes lights);
 
   void note_done(DoneCommand done);
   [[nodiscard]] Status follow_rig(const UiCommand& command);
@@ -265,6 +279,8 @@ class UiDesk {
   LevelComparison comparison_;
   std::optional<std::vector<int>> listed_;
   bool pauses_ = false;
+  bool locked_ = false;
+  std::uint64_t refused_ = 0;  // the gesture that was told why
 };
 
 }  // namespace footlight::tools
