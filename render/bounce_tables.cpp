@@ -313,6 +313,7 @@ Status make_bounce_tables(vk::Device& device, const MemoryShape& shape, RigTable
     tree.push_back(
         {node.low[0], node.low[1], node.low[2], node.skip, node.high[0], node.high[1], node.high[2], node.leaf});
   }
+  if (r.has_bounce && tree.empty()) tree.push_back({});  // where nothing is solid: its end is its first node
   // The stage boxes as the picture numbers them, then all solids as the leaves of the tree do.
   std::vector<BounceSolidRow> solids;
   if (!scene.solids.empty()) solids.assign(scene.solids.begin(), scene.solids.begin() + r.box_count);

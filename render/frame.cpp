@@ -12,6 +12,7 @@
 #include "render/passes/gloss.h"
 #include "render/passes/gobos.h"
 #include "render/passes/haze.h"
+#include "render/passes/probes.h"
 #include "render/passes/records.h"
 #include "render/passes/step.h"
 #include "render/passes/tonemap.h"
@@ -206,6 +207,7 @@ Status Frame::change(const FrameSettings& requested) {
     FL_ASSIGN(mirror_, Mirror::create(device_, resources_, needs, settings, entries_));
   }
   has_step_ = draws(kStepPass);
+  if (!draws(kProbesPass)) resources_.rig.has_probe_light = false;  // what it holds is old when the pass comes back
   return device_.pipelines().finish();
 }
 

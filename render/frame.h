@@ -116,12 +116,14 @@ class Frame {
   // What haze and fog machines have brought into the air by the last step(); null in a rig without any. A picture has
   // the air of its end: its haze differs from the mean over an exposure by what comes in half of that.
   [[nodiscard]] const fixtures::MachineAir* machine_air() const { return machines_.get(); }
-  // Goes on with air without what machines have made, and with clouds of haze as at the start.
+  // Goes on with air without what machines have made, with clouds of haze as at the start, and with reflections that
+  // the next picture makes whole: its time is another one.
   void forget_air();
   // The air after an hour of these levels.
   void settle_machine_air(std::span<const std::uint8_t> levels);
 
-  // Where fixtures and air are now, and going back there: to the bit. Both carry pending steps out first. `state` is of
+  // Where fixtures and air are now, and going back there: to the bit. Both carry pending steps out first. The picture
+  // after load_state() makes all reflections, whatever FrameSettings::probe_texels is. `state` is of
   // a frame of the same rig, of this device or another of the same kind.
   [[nodiscard]] Result<FrameState> save_state();
   Status load_state(const FrameState& state);

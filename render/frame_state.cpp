@@ -58,6 +58,7 @@ void copy(VkCommandBuffer commands, const RigTables& rig, const std::vector<cons
 
 void Frame::forget_air() {
   time_ns_ = 0;
+  resources_.rig.has_probe_light = false;
   if (machines_) machines_->forget();
 }
 
@@ -117,6 +118,7 @@ Status Frame::load_state(const FrameState& state) {
   FL_ASSIGN(const VkDeviceSize bytes, prepare(device_, resources_.rig, buffers, state_bytes_));
   FL_CHECK_EQ(state.heads.size(), bytes);
   time_ns_ = state.time_ns;
+  resources_.rig.has_probe_light = false;  // it is of the state from before
   if (machines_) machines_->set_air(state.air);
   if (bytes == 0) return {};
   std::memcpy(state_bytes_.mapped, state.heads.data(), bytes);

@@ -26,7 +26,7 @@ shared uint marks[FL_SIDE * FL_SIDE];
 // Of pixels: how many samples have the colour of each of the nine, six bits each.
 #define FL_OWN 4
 shared uint counts[2 * FL_GROUP_EDGES];
-const uint kNone = 0xffu;  // no surface has this mark
+const uint kNone = 0x100u;  // marks of surfaces have 8 bits
 
 // Where a ray of the picture, whose part ahead is 1, meets a plane of a box: one over how far ahead that is, m.
 float box_inverse(uint name, vec3 ray, out vec3 normal) {

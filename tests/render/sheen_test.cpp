@@ -347,6 +347,32 @@ TEST_CASE("what a floor mirrors is the same to the bit in each picture, and late
   std::swap(scene.levels, bright);
   for (int picture = 0; picture < 3; ++picture) CHECK(draw(*frame, scene).rgb != dim.rgb);
   CHECK(draw(*frame, scene).rgb == dim.rgb);
+  // The picture after another state, or after some without the pass, mirrors nothing of the state before.
+  std::swap(scene.levels, bright);
+  const FrameState state = must(frame->save_state());
+  must(frame->load_state(state));
+  CHECK(draw(*frame, scene).rgb == whole.rgb);
+  std::swap(scene.levels, bright);
+  must(frame->change(probe_settings(false)));
+  must(frame->change(parts));
+  CHECK(draw(*frame, scene).rgb == dim.rgb);
+  std::swap(scene.levels, bright);
+  frame->forget_air();
+  CHECK(draw(*frame, scene).rgb == whole.rgb);
+}
+
+TEST_CASE("a probe in a rig without anything solid has a tree whose first node ends it") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = probed_scene({0.35, 0});
+  scene.rig.boxes.clear();
+  const std::vector<std::uint8_t> levels = scene.levels;
+  scene.compile();
+  scene.levels = levels;
+  const auto frame = make_frame(vulkan.device(), scene, probe_settings(true));
+  if (frame->resources().rig.has_bounce) CHECK(frame->resources().rig.bounce_tree.size_bytes >= sizeof(TreeRow));
+  const RadianceImage picture = draw(*frame, scene);
+  CHECK(std::all_of(picture.rgb.begin(), picture.rgb.end(), [](float value) { return std::isfinite(value); }));
 }
 
 TEST_CASE("a rig with a shiny floor has a probe of its own, out to its floor and walls, and a matt one has none") {

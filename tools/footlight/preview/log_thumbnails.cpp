@@ -36,6 +36,7 @@ Status LogThumbnails::begin(TimeNs now_ns, render::vk::Device& device, render::F
     settings.supersample = 1;
     settings.edge_samples = 0;
     settings.auto_exposure = false;
+    settings.probe_texels = FL_PROBE_TEXELS;  // what it mirrors is of its own moment
     FL_ASSIGN(small_, render::Frame::create_beside(frame, settings));
   }
   at_ns_ = moment->position.now_ns;
