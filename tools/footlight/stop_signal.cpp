@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstring>
+#include <ctime>
 #include <utility>
 
 #include <fcntl.h>
@@ -16,11 +17,25 @@ namespace {
 
 std::atomic<Pump*> pump_to_stop{nullptr};
 std::atomic<bool> signal_came{false};
+std::atomic<std::int64_t> first_ns{0};  // when it came
 
-void on_signal(int) {
+constexpr std::int64_t kRepeatNs = 1'000'000'000;
+
+std::int64_t monotonic_ns() {
+  timespec now = {};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+void on_signal(int number) {
   const int saved_errno = errno;
-  signal_came.store(true);
-  if (Pump* const pump = pump_to_stop.load()) pump->request_stop();
+  if (!signal_came.exchange(true)) {
+    first_ns.store(monotonic_ns());
+    if (Pump* const pump = pump_to_stop.load()) pump->request_stop();
+  } else if (monotonic_ns() - first_ns.load() >= kRepeatNs) {
+    std::signal(number, SIG_DFL);
+    raise(number);  // takes effect when this handler returns
+  }
   errno = saved_errno;
 }
 
@@ -40,16 +55,16 @@ bool hangs_up = false;
 
 }  // namespace
 
-// SA_RESETHAND: the next signal has its default effect. SIGPIPE is ignored because a closed pipe on standard output
-// must not stop the show.
+// SIGPIPE is ignored because a closed pipe on standard output must not stop the show.
 StopSignal::StopSignal() {
   signal_came.store(false);
   std::signal(SIGPIPE, SIG_IGN);
-  set_action(on_signal, static_cast<int>(SA_RESETHAND | SA_RESTART));
+  set_action(on_signal, static_cast<int>(SA_RESTART));
 }
 
 StopSignal::~StopSignal() {
   pump_to_stop.store(nullptr);
+  if (came()) return;  // repeats are ignored until the program has ended
   set_action(SIG_DFL, 0);
   if (!std::exchange(hangs_up, false)) return;
   set_one(SIGHUP, SIG_DFL, 0);
@@ -63,8 +78,8 @@ void StopSignal::stops(Pump* pump) {
 
 void StopSignal::also_hangup() {
   hangs_up = true;
-  set_one(SIGHUP, on_signal, static_cast<int>(SA_RESETHAND | SA_RESTART));
-  set_one(SIGQUIT, on_signal, static_cast<int>(SA_RESETHAND | SA_RESTART));
+  set_one(SIGHUP, on_signal, static_cast<int>(SA_RESTART));
+  set_one(SIGQUIT, on_signal, static_cast<int>(SA_RESTART));
 }
 
 bool StopSignal::came() const { return signal_came.load(); }

@@ -342,6 +342,18 @@ TEST_CASE("a scene is what the bridge merged, recalled, it is set by hand") {
   CHECK(contains(unwritable.err, "/proc/footlight"));
 }
 
+TEST_CASE("a bridge that does not answer is named, and not taken for none") {
+  const TempFolder folder;
+  const std::map<std::string, std::string> place = {{"XDG_RUNTIME_DIR", folder.file("")}, {"RUNTIME_DIRECTORY", ""}};
+  Footlight bridge({"run", "--json", "--no-realtime", "--out", "mock:enttec-pro"}, place);
+  bridge.wait_for("\"ready\"");
+  bridge.signal(SIGSTOP);
+  const Outcome outcome = Footlight({"set", "1.17=255"}, place).wait();
+  bridge.signal(SIGCONT);
+  CHECK(outcome.exit_code == 1);
+  CHECK(contains(outcome.err, "run.sock: the program that has this socket does not answer"));
+}
+
 TEST_CASE("in a terminal a command of the hand names the slots that it changed, and a blackout that hides them") {
   const TempFolder folder;
   const Bridge bridge(folder.file("s"));

@@ -85,5 +85,21 @@ TEST_CASE("pictures of two sizes have no difference, and one is there only while
   CHECK(stage_compare_of("beside") == StageCompare::kBeside);
 }
 
+TEST_CASE("a comparison that begins anew during a picture goes on with B, whose camera A needs") {
+  const OrbitCamera camera{fixtures::Camera{}};
+  StageComparison both;
+  both.set_mode(StageCompare::kBeside);
+  both.begin(camera, 0);
+  both.end();
+  CHECK(both.next_side() == StageComparison::kA);
+  both.end();
+  both.begin(camera, 0);
+  both.begin_anew();
+  both.end();
+  CHECK(both.next_side() == StageComparison::kB);
+  both.begin(camera, 0);
+  CHECK(both.camera());
+}
+
 }  // namespace
 }  // namespace footlight::tools

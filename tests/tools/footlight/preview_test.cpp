@@ -163,6 +163,25 @@ TEST_CASE("the panel has the error of the pictures, measured at samples of them"
   CHECK(views[0] > views[1]);
 }
 
+TEST_CASE("a log that is cut while it plays stands still with the reason, and the window stays") {
+  if (!can_open_window()) return;
+  const TempFolder folder;
+  REQUIRE(footlight({"samples", folder.file("s")}).exit_code == 0);
+  const std::string log = folder.file("s/show.dmxlog");
+  const Display display(640, 480);
+  Footlight window({"preview", folder.file("s/rig.toml"), "--log", log, "--size", "320x180", "--edges", "off",
+                    "--bounce", "off", "--shadows", "off", "--json", "--period", "100ms"},
+                   {{"DISPLAY", display.name()},
+                    {"WAYLAND_DISPLAY", ""},
+                    {"XDG_STATE_HOME", folder.file("state")},
+                    {"ASAN_OPTIONS", "detect_leaks=0"}});
+  window.wait_for(R"("event":"frames")");
+  std::filesystem::resize_file(log, 100);
+  window.wait_for(R"("stands":true)");
+  window.signal(SIGTERM);
+  CHECK(window.wait().exit_code == 0);
+}
+
 TEST_CASE("an error or a time that is none, or two at once, is refused before a window opens") {
   const std::pair<std::vector<std::string>, std::string> cases[] = {
       {{"--error", "0"}, "--error 0: expected"},

@@ -39,6 +39,15 @@ TEST_CASE("SIGTERM and SIGINT stop a bridge cleanly, with a summary and exit cod
   }
 }
 
+TEST_CASE("a signal to stop that comes twice within a second stops a bridge as cleanly as one") {
+  Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--json"});
+  bridge.wait_for(R"("event":"ready")");
+  for (int i = 0; i < 20; ++i) bridge.signal(i % 2 == 0 ? SIGTERM : SIGINT);
+  const Outcome outcome = bridge.wait();
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.out, R"("event":"summary")"));
+}
+
 TEST_CASE("only the main thread of a bridge receives signals") {
   const TempFolder folder;
   Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "log:" + folder.file("a.dmxlog"), "--json"});

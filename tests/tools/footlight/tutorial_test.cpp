@@ -141,7 +141,7 @@ class Desk {
     return {{"DISPLAY", display.name()},
             {"WAYLAND_DISPLAY", ""},
             {"XDG_STATE_HOME", folder.file("state")},
-            {"GALLIVM_PERF", ""},  // lavapipe optimises its code, which draws hundreds of pictures
+            {"GALLIVM_PERF", ""},                 // lavapipe optimises its code, which draws hundreds of pictures
             {"ASAN_OPTIONS", "detect_leaks=0"}};  // drivers of GPUs leak (tests/support/headless_vulkan.cpp)
   }
   void xdotool(const std::string& what) const {
@@ -208,7 +208,7 @@ void edit_it(Desk& desk) {
   desk.key("F4");
   desk.panel("F7");
   desk.type({100, 96}, "generic wash");  // its field
-  desk.click({60, 136});  // the row that is left
+  desk.click({60, 136});                 // the row that is left
   desk.settle();
   desk.click({425, 308});  // Add
   desk.wait("a ninth fixture",

@@ -187,7 +187,7 @@ extern const CommandInfo run_command{
         "Several inputs are merged by priority, then highest level. When no sender is left, the last levels are held.\n"
         "'footlight set', fade, blackout and scene set levels in the running bridge, with or without a console.\n"
         "SIGHUP or 'footlight reload' reads the show file again; ports with unchanged lines are not touched.\n"
-        "Ctrl-C or SIGTERM stops cleanly (exit code 0); a second one at once.",
+        "Ctrl-C or SIGTERM stops cleanly (exit code 0); another one after a second at once.",
     .add = add,
 };
 

@@ -271,6 +271,14 @@ Status LogPlayer::turn(Transport& transport, DurationNs dt_ns, const Driven& dri
   return {};
 }
 
+void LogPlayer::stop(Transport& transport) {
+  seeking_.reset();
+  transport.seeking.reset();
+  transport.seek_ns.reset();
+  transport.playing = false;
+  transport.now_ns = now_ns();
+}
+
 Status LogPlayer::work_at_index(DurationNs budget_ns, const Driven& driven) {
   if (!index_ || index_->done() || seeking_) return {};
   Status worked = index_->work(driven.frame, clock_, budget_ns);

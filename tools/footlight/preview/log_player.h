@@ -68,6 +68,8 @@ class LogPlayer {
   // since the last call; the part of it that a seek took is not played. In a pause, and at the end of the log, fixtures
   // stand still until something is taken over; then they go on with the levels held.
   Status turn(Transport& transport, DurationNs dt_ns, const Driven& driven);
+  // After an error of turn(): the log is paused where it is, and its seek is given up.
+  void stop(Transport& transport);
   // Whether turn() needs nothing but to note steps in the frame. Required of a turn() with Driven::holds_steps.
   [[nodiscard]] bool can_hold(const Transport& transport, DurationNs dt_ns, const Driven& driven) const;
 

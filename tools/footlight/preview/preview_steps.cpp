@@ -191,8 +191,19 @@ Status Preview::step_levels() {
     give(hand_->levels(), dt_ns, true);
     return {};
   }
-  FL_TRY(player_->turn(controls_.transport, dt_ns, driven()));
+  FL_TRY(turn_log(dt_ns, driven()));
   return work_at_index();
+}
+
+// A log that can no longer be read stands still, and may be played or sought again.
+Status Preview::turn_log(DurationNs dt_ns, const LogPlayer::Driven& driven) {
+  const Status turned = player_->turn(controls_.transport, dt_ns, driven);
+  if (turned || device_->lost()) return turned;
+  player_->stop(controls_.transport);
+  const std::string line = turned.error().message + "; the log stands still";
+  if (!options_.json) fmt::print(stderr, "footlight: {}\n", printable_line(line));
+  tell(tr_known(line), true);
+  return {};
 }
 
 // Up to this turn, while a picture is in flight: for panels and outputs. The steps wait in the frame for the next
@@ -208,7 +219,7 @@ Status Preview::step_meanwhile() {
   stepped_ns_ = last_ns_;
   frame_->adapt_for(dt_ns);
   if (player_) {
-    FL_TRY(player_->turn(controls_.transport, dt_ns, holding));
+    FL_TRY(turn_log(dt_ns, holding));
     keep_recording();
     return {};
   }

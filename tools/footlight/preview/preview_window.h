@@ -155,6 +155,7 @@ class Preview {
 
   // What drives the fixtures: preview_steps.cpp.
   Status step_levels();
+  Status turn_log(DurationNs dt_ns, const LogPlayer::Driven& driven);
   Status step_meanwhile();
   void show_videos();
   [[nodiscard]] std::unique_ptr<LogPlayer> make_player(SharedScene scene, const LogReader& log);

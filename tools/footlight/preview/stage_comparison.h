@@ -72,8 +72,9 @@ class StageComparison {
   // Of B's picture, once one was begun.
   [[nodiscard]] const std::optional<OrbitCamera>& camera() const { return camera_; }
   [[nodiscard]] TimeNs log_ns() const { return log_ns_; }
-  // The picture that was begun is done, or is given up. B comes next.
-  void end() { turn_ = turn_ == kB ? kA : kB; }
+  // The picture that was begun is done, or is given up. B comes next, also if there was begun anew meanwhile: A's
+  // picture needs the camera of B's.
+  void end() { turn_ = turn_ == kB && camera_ ? kA : kB; }
   void begin_anew();
 
   // Of the difference: a picture of B, and one of A. True: both were of one size, and there is another difference. It
