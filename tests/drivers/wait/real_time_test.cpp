@@ -104,7 +104,7 @@ TEST_CASE("a refusal names both places where it can be allowed, and the option t
 }
 
 // ThreadSanitizer delays a signal until the thread calls something that waits, which this one never does.
-#if !defined(__SANITIZE_THREAD__)
+#if !defined(FOOTLIGHT_THREAD_SANITIZER)
 TEST_CASE("a thread that never pauses loses real time and continues at normal priority") {
   check_child(in_child([] {
     if (!may_have_real_time()) return kSkipped;

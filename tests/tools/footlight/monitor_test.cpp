@@ -341,7 +341,7 @@ TEST_CASE("the terminal is restored when q is pressed") {
 
 TEST_CASE("the terminal is restored whatever signal ends the monitor") {
   std::vector<int> numbers = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
-#if !defined(__SANITIZE_THREAD__)
+#if !defined(FOOTLIGHT_THREAD_SANITIZER)
   // ThreadSanitizer runs the handler of SIGBUS at once, also where kill() sent it and the thread holds a lock of the
   // sanitizer that the handler needs.
   numbers.push_back(SIGBUS);
