@@ -1,6 +1,6 @@
-// SIGINT and SIGTERM as a stop request, so that sinks can end their streams. One that comes a second after the first, or
-// later, ends the program at once. Those before are ignored: `timeout` sends two, and so do a shell and the kernel when a
-// terminal closes. SIGPIPE is ignored.
+// SIGINT and SIGTERM as a stop request, so that sinks can end their streams. One that comes a second after the first,
+// or later, ends the program at once. Those before are ignored: `timeout` sends two, and so do a shell and the kernel
+// when a terminal closes. SIGPIPE is ignored.
 #pragma once
 
 #include "sim/core/result.h"

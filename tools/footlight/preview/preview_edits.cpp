@@ -209,7 +209,9 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
 
 void Preview::save() {
   RigFile& file = edited_->file();
-  if (!unsaved() && file.known() && mark_of_file(file.target())) return tell(trf("no edits to save in {}", file.target()));
+  if (!unsaved() && file.known() && mark_of_file(file.target())) {
+    return tell(trf("no edits to save in {}", file.target()));
+  }
   const auto report = file.save();
   save_error_ = report ? "" : tr_known(report.error().message);
   if (!report) return tell(save_error_, true);

@@ -200,7 +200,7 @@ Status Preview::turn_log(DurationNs dt_ns, const LogPlayer::Driven& driven) {
   const Status turned = player_->turn(controls_.transport, dt_ns, driven);
   if (turned || device_->lost()) return turned;
   player_->stop(controls_.transport);
-  const std::string line = turned.error().message + "; the log stands still";
+  const std::string& line = turned.error().message;
   if (!options_.json) fmt::print(stderr, "footlight: {}\n", printable_line(line));
   tell(tr_known(line), true);
   return {};
