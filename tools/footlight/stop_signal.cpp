@@ -16,8 +16,7 @@ namespace footlight::tools {
 namespace {
 
 std::atomic<Pump*> pump_to_stop{nullptr};
-std::atomic<bool> signal_came{false};
-std::atomic<std::int64_t> first_ns{0};  // when it came
+std::atomic<std::int64_t> came_ns{0};  // when the first signal came; 0: none did
 
 constexpr std::int64_t kRepeatNs = 1'000'000'000;
 
@@ -29,10 +28,11 @@ std::int64_t monotonic_ns() {
 
 void on_signal(int number) {
   const int saved_errno = errno;
-  if (!signal_came.exchange(true)) {
-    first_ns.store(monotonic_ns());
+  const std::int64_t now_ns = monotonic_ns();
+  std::int64_t first_ns = 0;
+  if (came_ns.compare_exchange_strong(first_ns, now_ns)) {
     if (Pump* const pump = pump_to_stop.load()) pump->request_stop();
-  } else if (monotonic_ns() - first_ns.load() >= kRepeatNs) {
+  } else if (now_ns - first_ns >= kRepeatNs) {
     std::signal(number, SIG_DFL);
     raise(number);  // takes effect when this handler returns
   }
@@ -57,7 +57,7 @@ bool hangs_up = false;
 
 // SIGPIPE is ignored because a closed pipe on standard output must not stop the show.
 StopSignal::StopSignal() {
-  signal_came.store(false);
+  came_ns.store(0);
   std::signal(SIGPIPE, SIG_IGN);
   set_action(on_signal, static_cast<int>(SA_RESTART));
 }
@@ -82,7 +82,7 @@ void StopSignal::also_hangup() {
   set_one(SIGQUIT, on_signal, static_cast<int>(SA_RESTART));
 }
 
-bool StopSignal::came() const { return signal_came.load(); }
+bool StopSignal::came() const { return came_ns.load() != 0; }
 
 namespace {
 

@@ -222,11 +222,12 @@ Result<SaveReport> RigFile::save() {
 Result<SaveReport> RigFile::save_as(const std::string& path, bool replaces) {
   FL_TRY(check_rig_target(path));
   std::error_code trouble;
-  if (replaces && fs::exists(path, trouble) && !mark_of_file(path)) {
+  const std::optional<FileMark> mark = replaces ? mark_of_file(path) : std::nullopt;
+  if (replaces && !mark && fs::exists(path, trouble)) {
     return fail(ErrorCode::kPermission, "{}: cannot be read, so it could not be kept; choose another name", path);
   }
   const std::string target = std::exchange(target_, path);
-  const std::optional<FileMark> known = std::exchange(known_, replaces ? mark_of_file(path) : std::nullopt);
+  const std::optional<FileMark> known = std::exchange(known_, mark);
   const bool saved = std::exchange(saved_, false);
   auto report = save();
   if (!report) {
