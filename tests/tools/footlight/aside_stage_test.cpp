@@ -48,7 +48,7 @@ TEST_CASE("another log has the states of a replay of it, and those of the stage 
     const render::FrameState own = stage.state();
     bool there = false;
     while (!there) {
-      there = must(aside.enter(at_ns, stage.compiled.universes, aside_of(stage)));
+      there = must(aside.enter(at_ns, LogPlayer::kExposureNs, stage.compiled.universes, aside_of(stage)));
       if (there) CHECK(stage.state().heads == other.replayed(std::min(at_ns, 6 * kNsPerS)).heads);
       must(aside.leave(*stage.frame));
       CHECK(stage.state().heads == own.heads);
@@ -60,23 +60,35 @@ TEST_CASE("another log has the states of a replay of it, and those of the stage 
   CHECK(aside.bytes() == stage.state().bytes());
 }
 
-TEST_CASE("another log plays on from its own states while the stage plays, and stands still with it") {
+TEST_CASE("another log plays on from its own states while the stage plays, with its exposures, and stands still with it") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Stage stage(vulkan.device(), 4 * kNsPerS);
   stage.transport.duration_ns = stage.player->duration_ns();
   AsideStage aside(std::make_unique<LogPlayer>([&] { return Timeline(stage.log.again(), stage.compiled); },
                                                stage.clock));  // of the same log
+  DurationNs exposed_ns = 0;
+  LogPlayer::Driven driven = aside_of(stage);
+  driven.step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+    exposed_ns = new_exposure ? dt_ns : exposed_ns + dt_ns;
+    stage.frame->step(levels, dt_ns, new_exposure);
+  };
   const auto states_at = [&](TimeNs at_ns) {
-    while (!must(aside.enter(at_ns, stage.compiled.universes, aside_of(stage)))) must(aside.leave(*stage.frame));
+    while (!must(aside.enter(at_ns, stage.exposed_ns, stage.compiled.universes, driven))) must(aside.leave(*stage.frame));
     const render::FrameState states = stage.state();
     must(aside.leave(*stage.frame));
     return states;
   };
   must(stage.player->seek(kNsPerS, stage.driven()));
   CHECK(states_at(kNsPerS).heads == stage.state().heads);
-  const TimeNs from_ns = stage.player->now_ns();
-  while (stage.player->now_ns() < from_ns + kNsPerS) stage.turn(25 * kNsPerMs);
+  CHECK(exposed_ns == LogPlayer::kExposureNs);
+  for (const DurationNs dt_ns : {25 * kNsPerMs, 3 * kNsPerMs, 17 * kNsPerMs + 123, kNsPerMs / 5, 500 * kNsPerMs}) {
+    CAPTURE(dt_ns);
+    for (int i = 0; i < 4; ++i) stage.turn(dt_ns);
+    CHECK(stage.exposed_ns == std::min(dt_ns, LogPlayer::kExposureNs));
+    CHECK(states_at(stage.player->now_ns()).time_ns == stage.state().time_ns);
+    CHECK(exposed_ns == stage.exposed_ns);
+  }
   const TimeNs now_ns = stage.player->now_ns();
   const render::FrameState first = states_at(now_ns);
   CHECK(first.time_ns == stage.state().time_ns);
@@ -97,7 +109,7 @@ TEST_CASE("a kept moment has its states, and one of another rig has those that i
   const render::FrameState own = stage.state();
   REQUIRE(own.heads != kept.heads);
   const auto entered = [&] {
-    CHECK(must(aside.enter(0, stage.compiled.universes, aside_of(stage))));
+    CHECK(must(aside.enter(0, 0, stage.compiled.universes, aside_of(stage))));
     render::FrameState states = stage.state();
     must(aside.leave(*stage.frame));
     CHECK(stage.state().heads == own.heads);
@@ -141,7 +153,7 @@ TEST_CASE("a moment keeps the states of when it was kept, and steps that came me
   CHECK(both.aside(StageComparison::kB) == nullptr);
   AsideStage* const aside = both.aside(StageComparison::kA);
   REQUIRE(aside != nullptr);
-  CHECK(must(aside->enter(0, stage.compiled.universes, aside_of(stage))));
+  CHECK(must(aside->enter(0, 0, stage.compiled.universes, aside_of(stage))));
   CHECK(both.inside() == aside);
   CHECK(stage.state().heads == then.heads);
   must(aside->leave(*stage.frame));
@@ -181,7 +193,7 @@ TEST_CASE("the states of a moment are as many bytes as those of the frame, and c
     double least_ms = 1e9;
     for (int i = 0; i < 5; ++i) {
       const auto begun = std::chrono::steady_clock::now();
-      must(aside.enter(0, compiled.universes, driven));
+      must(aside.enter(0, 0, compiled.universes, driven));
       must(aside.leave(*frame));
       least_ms = std::min(least_ms, ms_since(begun));
     }

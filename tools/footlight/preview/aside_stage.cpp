@@ -17,37 +17,34 @@ AsideStage::AsideStage(std::unique_ptr<LogPlayer> player) : player_(std::move(pl
   transport_.duration_ns = player_->duration_ns();
 }
 
-Result<bool> AsideStage::enter(TimeNs time_ns, std::span<const Universe> universes, const LogPlayer::Driven& driven) {
+Result<bool> AsideStage::enter(TimeNs time_ns, DurationNs exposure_ns, std::span<const Universe> universes,
+                               const LogPlayer::Driven& driven) {
   FL_CHECK(!entered_);
   FL_ASSIGN(shown_, driven.frame.save_state());
   entered_ = true;
   moved_ = false;
   const bool begins = !state_;
   if (state_) FL_TRY(driven.frame.load_state(*state_));
-  if (!player_) {
-    if (begins) FL_TRY(show_levels(universes, driven));
-    return true;
-  }
-  time_ns = std::clamp<TimeNs>(time_ns, 0, player_->duration_ns());
-  if (begins) transport_.seek_ns = time_ns;
-  FL_TRY(go_to(time_ns, driven));
-  return !player_->seeking() && player_->now_ns() == time_ns;
+  if (player_) return go_to(std::clamp<TimeNs>(time_ns, 0, player_->duration_ns()), exposure_ns, driven);
+  if (begins) FL_TRY(show_levels(universes, driven));
+  return true;
 }
 
-Status AsideStage::go_to(TimeNs time_ns, const LogPlayer::Driven& driven) {
+// True: the log is there.
+Result<bool> AsideStage::go_to(TimeNs time_ns, DurationNs exposure_ns, const LogPlayer::Driven& driven) {
+  const TimeNs open_ns = time_ns - exposure_ns;
   const TimeNs now_ns = player_->now_ns();  // of a seek that is under way: its end
-  transport_.playing = false;
-  DurationNs dt_ns = 0;
-  if (transport_.seek_ns || time_ns < now_ns || time_ns > now_ns + kPlayOnNs) {
-    transport_.seek_ns = time_ns;
-  } else if (time_ns > now_ns) {
-    transport_.playing = true;
-    dt_ns = time_ns - now_ns;
-  } else if (!player_->seeking()) {
-    return {};  // it stands still
-  }
+  const bool seeks = player_->seeking().has_value();
+  if (state_ && !seeks && now_ns == time_ns) return true;  // it stands still
   moved_ = true;
-  return player_->turn(transport_, dt_ns, driven);
+  if (state_ && !seeks && now_ns <= open_ns && now_ns >= open_ns - kPlayOnNs) {
+    FL_TRY(player_->play_on(time_ns, exposure_ns, driven));
+    return true;
+  }
+  transport_.playing = false;
+  if (!seeks || now_ns != time_ns) transport_.seek_ns = time_ns;
+  FL_TRY(player_->turn(transport_, 0, driven, exposure_ns));
+  return !player_->seeking();
 }
 
 // As at the start of a show: heads are where their levels are.

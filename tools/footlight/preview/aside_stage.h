@@ -1,7 +1,7 @@
 // Fixtures of another log, or of a moment that was kept, shown by the frame of the stage in place of its own (decision
 // 0165).
 //
-//   FL_ASSIGN(const bool there, aside.enter(time_ns, driven));
+//   FL_ASSIGN(const bool there, aside.enter(time_ns, exposure_ns, universes, driven));
 //   if (there) ... a picture of the frame shows them ...
 //   FL_TRY(aside.leave(frame));  // in either case, once that picture is done
 //
@@ -33,8 +33,10 @@ class AsideStage {
   [[nodiscard]] bool is_log() const { return player_ != nullptr; }
 
   // Of a log: goes on to time_ns, which is clamped to the log, or seeks it, a part in each call, to the bit as
-  // LogPlayer does. False: it has not come there yet. universes: of the frame's rig, as it orders them.
-  [[nodiscard]] Result<bool> enter(TimeNs time_ns, std::span<const Universe> universes,
+  // LogPlayer does. The last exposure_ns are the exposure of the picture, so that a strobe is lit as in a picture of
+  // the frame's own fixtures with that exposure. False: it has not come there yet. universes: of the frame's rig, as
+  // it orders them.
+  [[nodiscard]] Result<bool> enter(TimeNs time_ns, DurationNs exposure_ns, std::span<const Universe> universes,
                                    const LogPlayer::Driven& driven);
   [[nodiscard]] bool entered() const { return entered_; }
   Status leave(render::Frame& frame);
@@ -48,7 +50,7 @@ class AsideStage {
   [[nodiscard]] std::size_t bytes() const { return state_ ? state_->bytes() : 0; }
 
  private:
-  Status go_to(TimeNs time_ns, const LogPlayer::Driven& driven);
+  Result<bool> go_to(TimeNs time_ns, DurationNs exposure_ns, const LogPlayer::Driven& driven);
   Status show_levels(std::span<const Universe> universes, const LogPlayer::Driven& driven);
 
   LevelMoment moment_;                 // without a log

@@ -107,7 +107,7 @@ Status LogPlayer::seek(TimeNs until_ns, const Driven& driven) {
     asked_ = true;
     FL_TRY(begin_going_back(std::clamp<TimeNs>(until_ns, 0, duration_ns()), kExposureNs, driven));
   } else {
-    FL_TRY(begin_seek(until_ns, driven));
+    FL_TRY(begin_seek(until_ns, kExposureNs, driven));
   }
   while (seeking_) FL_TRY(work_at_seek(INT64_MAX, driven));
   return {};
@@ -115,20 +115,20 @@ Status LogPlayer::seek(TimeNs until_ns, const Driven& driven) {
 
 // Whether a seek can go on from where the fixtures are. While something is taken over no states are those of the log,
 // so going on is as good as going back, and sooner. So it is in a seek that has not yet come as far.
-bool LogPlayer::goes_further(TimeNs until_ns, const Driven& driven) const {
-  if (until_ns < timeline_->now_ns() + kExposureNs) return false;
+bool LogPlayer::goes_further(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) const {
+  if (until_ns < timeline_->now_ns() + exposure_ns) return false;
   if (driven.taken_over) return true;
-  const SeekIndex::Moment* known = known_before(until_ns - kExposureNs, driven);
+  const SeekIndex::Moment* known = known_before(until_ns - exposure_ns, driven);
   return seeking_ && exact_ && (known == nullptr || known->position.now_ns <= timeline_->now_ns());
 }
 
-Status LogPlayer::begin_seek(TimeNs until_ns, const Driven& driven) {
+Status LogPlayer::begin_seek(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
   until_ns = std::clamp<TimeNs>(until_ns, 0, duration_ns());
   asked_ = true;
-  if (!goes_further(until_ns, driven)) return begin_going_back(until_ns, kExposureNs, driven);
+  if (!goes_further(until_ns, exposure_ns, driven)) return begin_going_back(until_ns, exposure_ns, driven);
   if (!seeking_) FL_TRY(keep_before(driven));
   exact_ = seeking_ && exact_ && !driven.taken_over;
-  exposure_ns_ = kExposureNs;
+  exposure_ns_ = exposure_ns;
   seeking_ = {timeline_->now_ns(), timeline_->now_ns(), until_ns};
   return {};
 }
@@ -146,6 +146,12 @@ Status LogPlayer::play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven&
   if (!goes_on(until_ns, exposure_ns, driven)) return begin_going_back(until_ns, exposure_ns, driven);
   moves_in_pause_ = false;
   return advance(until_ns, exposure_ns, driven);
+}
+
+Status LogPlayer::play_on(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
+  FL_CHECK(!seeking_);
+  asked_ = false;
+  return advance(std::min(until_ns, duration_ns()), exposure_ns, driven);
 }
 
 bool LogPlayer::can_hold(const Transport& transport, DurationNs dt_ns, const Driven& driven) const {
@@ -241,7 +247,7 @@ Result<bool> LogPlayer::cancel_seek(const Driven& driven) {
   return !asked_;
 }
 
-Status LogPlayer::turn(Transport& transport, DurationNs dt_ns, const Driven& driven) {
+Status LogPlayer::turn(Transport& transport, DurationNs dt_ns, const Driven& driven, DurationNs exposure_ns) {
   FL_CHECK(!driven.holds_steps || can_hold(transport, dt_ns, driven));
   dt_ns = std::max<DurationNs>(dt_ns - std::exchange(sought_ns_, 0), 0);
   if (std::exchange(transport.cancels_seek, false)) {
@@ -251,7 +257,7 @@ Status LogPlayer::turn(Transport& transport, DurationNs dt_ns, const Driven& dri
   transport.now_ns = now_ns();
   const TimeNs next_ns = transport.playing ? transport.next_ns(dt_ns) : now_ns();
   if (transport.seek_ns) {
-    FL_TRY(begin_seek(*std::exchange(transport.seek_ns, std::nullopt), driven));
+    FL_TRY(begin_seek(*std::exchange(transport.seek_ns, std::nullopt), exposure_ns, driven));
   } else if (seeking_) {
     // The time of its parts is not played.
   } else if (next_ns != now_ns()) {

@@ -67,11 +67,16 @@ class LogPlayer {
   // The steps of one picture, as `transport` has it: a part of a seek, playing or a pause. Sets its times. dt_ns >= 0:
   // since the last call; the part of it that a seek took is not played. In a pause, and at the end of the log, fixtures
   // stand still until something is taken over; then they go on with the levels held.
-  Status turn(Transport& transport, DurationNs dt_ns, const Driven& driven);
+  // exposure_ns: of the picture that a seek leads to.
+  Status turn(Transport& transport, DurationNs dt_ns, const Driven& driven, DurationNs exposure_ns = kExposureNs);
   // After an error of turn(): the log is paused where it is, and its seek is given up.
   void stop(Transport& transport);
   // Whether turn() needs nothing but to note steps in the frame. Required of a turn() with Driven::holds_steps.
   [[nodiscard]] bool can_hold(const Transport& transport, DurationNs dt_ns, const Driven& driven) const;
+
+  // Plays on from now_ns() to until_ns >= now_ns() + exposure_ns, clamped to the log, whose last exposure_ns are the
+  // exposure of a picture. Not during a seek.
+  Status play_on(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
 
   // Makes moments for about budget_ns. After an error of the log there is no index any more, and take_news() returns
   // why; else it is empty.
@@ -88,8 +93,8 @@ class LogPlayer {
   [[nodiscard]] const SeekIndex::Moment* known_before(TimeNs time_ns, const Driven& driven) const;
   [[nodiscard]] bool goes_on(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) const;
   Status play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
-  Status begin_seek(TimeNs until_ns, const Driven& driven);
-  [[nodiscard]] bool goes_further(TimeNs until_ns, const Driven& driven) const;
+  Status begin_seek(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
+  [[nodiscard]] bool goes_further(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) const;
   Status begin_going_back(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
   Status work_at_seek(DurationNs budget_ns, const Driven& driven);
   Status keep_before(const Driven& driven);

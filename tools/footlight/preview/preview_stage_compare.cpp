@@ -54,14 +54,15 @@ LogPlayer::Driven Preview::driven_aside() {
 Status Preview::begin_compared() {
   const std::size_t side = both_.next_side();
   const DurationNs offset_ns = desk_->comparison().a ? desk_->comparison().a->offset_ns : 0;
-  both_.begin(desk_->state().camera, compared_time_ns());
+  both_.begin(desk_->state().camera, compared_time_ns(), exposure_ns_);
   drawn_camera_ = both_.camera();
   drawn_view_ = both_.mode() == StageCompare::kBeside ? static_cast<int>(side) : 0;
   drawn_main_ = side == StageComparison::kB;
   AsideStage* const aside = both_.aside(side);
   if (aside == nullptr) return {};
   FL_ASSIGN(const bool there,
-            aside->enter(both_.log_ns() + offset_ns, framed_->compiled.universes, driven_aside()));
+            aside->enter(both_.log_ns() + offset_ns, both_.exposure_ns(), framed_->compiled.universes,
+                         driven_aside()));
   if (there) {
     both_.hold_steps();
     return aside->work_at_index(kAsideIndexNs, driven_aside());

@@ -158,10 +158,11 @@ std::optional<Transport::Seeking> StageComparison::seeking() const {
   return on() && asides_[kA] ? asides_[kA]->seeking() : std::nullopt;
 }
 
-void StageComparison::begin(const OrbitCamera& camera, TimeNs log_ns) {
+void StageComparison::begin(const OrbitCamera& camera, TimeNs log_ns, DurationNs exposure_ns) {
   if (turn_ != kB) return;
   camera_ = camera;
   log_ns_ = log_ns;
+  exposure_ns_ = exposure_ns;
 }
 
 void StageComparison::take_b(const HostPicture& picture) {

@@ -67,11 +67,12 @@ class StageComparison {
   // The one that the frame has the fixtures of; null: its own.
   [[nodiscard]] AsideStage* inside() const;
   [[nodiscard]] std::optional<Transport::Seeking> seeking() const;
-  // The picture of next_side() is begun. B's camera and time are those of A's as well.
-  void begin(const OrbitCamera& camera, TimeNs log_ns);
+  // The picture of next_side() is begun. B's camera, time and exposure, whose end the time is, are those of A's as well.
+  void begin(const OrbitCamera& camera, TimeNs log_ns, DurationNs exposure_ns);
   // Of B's picture, once one was begun.
   [[nodiscard]] const std::optional<OrbitCamera>& camera() const { return camera_; }
   [[nodiscard]] TimeNs log_ns() const { return log_ns_; }
+  [[nodiscard]] DurationNs exposure_ns() const { return exposure_ns_; }
   // The picture that was begun is done, or is given up. B comes next, also if there was begun anew meanwhile: A's
   // picture needs the camera of B's.
   void end() { turn_ = turn_ == kB && camera_ ? kA : kB; }
@@ -105,6 +106,7 @@ class StageComparison {
   std::size_t turn_ = kB;
   std::optional<OrbitCamera> camera_;
   TimeNs log_ns_ = 0;
+  DurationNs exposure_ns_ = 0;
   std::vector<std::uint8_t> rgba_b_;
   int width_ = 0;
   int height_ = 0;
