@@ -153,7 +153,11 @@ int run_command_line(int argc, const char* const* argv, std::span<const CommandI
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {  // --help, --version
-    return app.exit(success);
+    const int code = app.exit(success);
+    const auto written = flush_output();
+    if (written) return code;
+    std::fputs(fmt::format("footlight: {}\n", written.error().message).c_str(), stderr);
+    return exit_code_of(written.error().code);
   } catch (const CLI::ParseError& error) {
     // The help and the commands of the deepest subcommand that was reached.
     const CLI::App* at = &app;

@@ -92,6 +92,7 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
   const std::string missing = folder.file("missing.dmxlog");
   std::ofstream(folder.file("text.dmxlog")) << "this is no log\n";
   std::ofstream(folder.file("broken.show")) << "OLA Show\n1 0,300\n";
+  std::ofstream(folder.file("empty.toml")).close();
   std::ofstream(folder.file("wrong.toml"))
       << "[[in]]\nendpoint = \"sacn:1-9\"\npriorty = 3\n[[out]]\nendpoint = \"artnet:1\"\n";
 
@@ -117,6 +118,7 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
       {{"blackout", "hold", "--within", "1ms", "--socket", missing}, 2, {"200ms"}},
       {{"scene", "recall", "--file", missing}, 2, {"recall", "name"}},
       {{"scene", "list", "--file", missing}, 3, {missing}},
+      {{"scene", "list", "--file", folder.file("empty.toml")}, 3, {"empty.toml", "has no scene", "scene store"}},
       {{"scene", "delete", "Warm", "--file", missing}, 3, {missing}},
       {{"run", "--in", "sacn:0-9", "--out", "mock:enttec-pro"}, 2, {"sacn:0-9", "universe 0", "1 to 63999"}},
       {{"run", "--in", "sacn:64000", "--out", "mock:enttec-pro"}, 2, {"sacn:64000", "universe 64000"}},

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include <doctest/doctest.h>
@@ -150,6 +151,40 @@ TEST_CASE("convert, import and export replace a file, or the folder of its files
   }
 }
 
+TEST_CASE("a conversion that ends on a full disk leaves nothing, so that it can be repeated") {
+  TempFolder folder;
+  std::string text = kHead;
+  text.replace(text.find("Name='Open'"), 11, "Name='Open' MediaFileName='dots'");
+  const std::string head =
+      folder.write("head.gdtf", make_zip({{"description.xml", text, 8}, {"wheels/dots.png", "0123456789"}}));
+  const std::vector<std::string> command = {"fixtures", "convert", head, "-o", folder.file("to/mine.toml")};
+  // A limit on the size of files makes writes fail like a full disk. The program inherits both.
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
+  const auto previous = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit tight{100, before.rlim_max};
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &tight) == 0);
+  const Outcome full = footlight(command);
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &before) == 0);
+  std::signal(SIGXFSZ, previous);
+  CHECK(full.exit_code == 1);
+  CHECK(contains(full.err, "mine.toml: cannot be written"));
+  CHECK_FALSE(fs::exists(folder.file("to")));
+  CHECK(footlight(command).exit_code == 0);
+  CHECK(fs::exists(folder.file("to/mine_files/wheels/dots.png")));
+}
+
+TEST_CASE("a read-only file is not replaced") {
+  TempFolder folder;
+  const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead, 8}}));
+  const std::string mine = folder.write("mine.toml", "by hand");
+  fs::permissions(mine, fs::perms::owner_read);
+  const Outcome refused = footlight({"fixtures", "convert", head, "-o", mine, "--overwrite"});
+  CHECK(refused.exit_code == 1);
+  CHECK(contains(refused.err, mine + ": is read-only; allow writing (chmod u+w) or choose another name"));
+  CHECK(fs::file_size(mine) == 7);
+}
+
 TEST_CASE("check refuses unreadable arguments, and finds nothing in an empty folder") {
   TempFolder folder;
   const Outcome text = footlight({"fixtures", "check", folder.write("a.txt", "hello"), "--json"});
@@ -181,6 +216,8 @@ TEST_CASE("a full disk behind standard output is a failure of every command") {
         std::string("'") + FOOTLIGHT_BINARY + "' fixtures " + command + " '" + head + "' > /dev/full 2> /dev/null";
     CHECK(WEXITSTATUS(std::system(line.c_str())) == 1);
   }
+  const std::string help = std::string("'") + FOOTLIGHT_BINARY + "' --help > /dev/full 2> /dev/null";
+  CHECK(WEXITSTATUS(std::system(help.c_str())) == 1);
 }
 
 TEST_CASE("a name with terminal sequences is printed without them") {

@@ -89,15 +89,18 @@ TEST_CASE("a comparison that begins anew during a picture goes on with B, whose 
   const OrbitCamera camera{fixtures::Camera{}};
   StageComparison both;
   both.set_mode(StageCompare::kBeside);
-  both.begin(camera, 0);
+  both.begin(camera, 40, 20);
   both.end();
   CHECK(both.next_side() == StageComparison::kA);
+  both.begin(camera, 90, 50);  // of A: with the time and exposure of B
+  CHECK(both.log_ns() == 40);
+  CHECK(both.exposure_ns() == 20);
   both.end();
-  both.begin(camera, 0);
+  both.begin(camera, 0, 0);
   both.begin_anew();
   both.end();
   CHECK(both.next_side() == StageComparison::kB);
-  both.begin(camera, 0);
+  both.begin(camera, 0, 0);
   CHECK(both.camera());
 }
 

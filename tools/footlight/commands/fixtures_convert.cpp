@@ -3,6 +3,7 @@
 #include <memory>
 #include <set>
 #include <system_error>
+#include <vector>
 
 #include "fixtures/files/export/rig_toml.h"
 #include "fixtures/files/export/write_file.h"
@@ -28,11 +29,37 @@ struct Options {
   bool overwrite = false;
 };
 
-Status write_whole(const fs::path& path, std::string_view bytes) {
-  std::error_code error;
-  if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
-  return fixtures::write_file(path.string(), bytes);
-}
+// Files that belong together. Those that were new, and their new folders, are removed again unless all are written.
+class NewFiles {
+ public:
+  NewFiles() = default;
+  ~NewFiles() {
+    std::error_code ignored;
+    for (auto made = made_.rbegin(); made != made_.rend(); ++made) fs::remove(*made, ignored);  // empty folders only
+  }
+  NewFiles(const NewFiles&) = delete;
+  NewFiles& operator=(const NewFiles&) = delete;
+
+  Status write(const fs::path& path, std::string_view bytes) {
+    make_folder(path.parent_path());
+    std::error_code ignored;
+    const bool is_new = !fs::exists(path, ignored);
+    FL_TRY(fixtures::write_file(path.string(), bytes));
+    if (is_new) made_.push_back(path);
+    return {};
+  }
+  void keep() { made_.clear(); }
+
+ private:
+  void make_folder(const fs::path& folder) {
+    std::error_code trouble;
+    if (folder.empty() || fs::exists(folder, trouble)) return;
+    make_folder(folder.parent_path());
+    if (fs::create_directory(folder, trouble)) made_.push_back(folder);
+  }
+
+  std::vector<fs::path> made_;
+};
 
 std::set<std::string> names_used(const fixtures::FixtureType& type) {
   std::set<std::string> names;
@@ -58,6 +85,7 @@ Result<int> convert(const Options& options) {
   FL_TRY(refuse_existing(folder.string(), options.overwrite));
   FL_ASSIGN(const fixtures::Imported imported, fixtures::import_fixture(options.file));
   const fixtures::FixtureType& type = imported.type;
+  NewFiles files;
   int copied = 0;
   if (type.files != nullptr) {
     for (const std::string& name : names_used(type)) {
@@ -66,12 +94,13 @@ Result<int> convert(const Options& options) {
         fmt::print(stderr, "footlight: {}\n", printable_utf8(bytes.error().message));
         continue;
       }
-      FL_TRY(write_whole(folder / name, fixtures::text_of(*bytes)));
+      FL_TRY(files.write(folder / name, fixtures::text_of(*bytes)));
       ++copied;
     }
   }
   const std::string text = fixtures::write_full_form(type, copied > 0 ? folder.filename().string() : "");
-  FL_TRY(write_whole(options.out, text));
+  FL_TRY(files.write(options.out, text));
+  files.keep();
   std::size_t warnings = 0;
   for (const fixtures::Diagnostic& diagnostic : imported.diagnostics) {
     if (diagnostic.severity == fixtures::Severity::kNote) continue;

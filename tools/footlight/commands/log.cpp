@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "drivers/capture/captures.h"
+#include "sim/core/counted.h"
 #include "sim/core/endpoint.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "sim/dmx_log/log_diff.h"
@@ -113,7 +114,7 @@ Result<int> print_info(const InfoOptions& options) {
   if (!info.recovered()) return kExitOk;
   fmt::print(
       stderr, "footlight: {}: {}; 'footlight log convert {} whole.dmxlog' writes what can be read\n", options.file,
-      info.damage_count == 0 ? "the recording was not finished" : fmt::format("{} damaged parts", info.damage_count),
+      info.damage_count == 0 ? "the recording was not finished" : counted(info.damage_count, "damaged part"),
       options.file);
   return kExitFailed;
 }
@@ -161,7 +162,7 @@ Result<int> convert(const ConvertArguments& arguments) {
     print_notes(report.notes);
   }
   if (report.damage_count == 0) return kExitOk;
-  fmt::print(stderr, "footlight: {}: {} damaged parts were left out\n", arguments.in, report.damage_count);
+  fmt::print(stderr, "footlight: {}: left out: {}\n", arguments.in, counted(report.damage_count, "damaged part"));
   return kExitFailed;
 }
 

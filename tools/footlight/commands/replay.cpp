@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "sim/core/counted.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge/bridge.h"
 #include "tools/footlight/bridge/open_ports.h"
@@ -79,8 +80,8 @@ Result<int> replay(const Options& options) {
   FL_TRY(check_recordings(report));
   const std::uint64_t damaged = report.status.ports.front().port.rejected;
   if (damaged == 0) return kExitOk;
-  fmt::print(stderr, "footlight: {} damaged parts of the log were skipped; see 'footlight log info --check {}'\n",
-             damaged, options.file);
+  fmt::print(stderr, "footlight: {} of the log skipped; see 'footlight log info --check {}'\n",
+             counted(damaged, "damaged part"), options.file);
   return kExitFailed;
 }
 

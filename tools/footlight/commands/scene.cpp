@@ -97,7 +97,8 @@ Result<int> list(const Options& options) {
   FL_ASSIGN(const std::string path, file_of(options));
   FL_ASSIGN(const SceneFile file, load_scenes(path));
   for (const LevelScene& scene : file.scenes) fmt::print("{}\n", scene.name);
-  return file.scenes.empty() ? kExitNotFound : kExitOk;
+  if (!file.scenes.empty()) return kExitOk;
+  return fail(ErrorCode::kNotFound, "{}: has no scene; 'footlight scene store NAME' stores one", path);
 }
 
 Result<int> remove(const Options& options) {
