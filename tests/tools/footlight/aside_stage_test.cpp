@@ -60,7 +60,7 @@ TEST_CASE("another log has the states of a replay of it, and those of the stage 
   CHECK(aside.bytes() == stage.state().bytes());
 }
 
-TEST_CASE("another log plays on from its own states while the stage plays, with its exposures, and stands still with it") {
+TEST_CASE("another log plays on while the stage plays, with the exposures of the stage, and stands still with it") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Stage stage(vulkan.device(), 4 * kNsPerS);
@@ -74,7 +74,9 @@ TEST_CASE("another log plays on from its own states while the stage plays, with 
     stage.frame->step(levels, dt_ns, new_exposure);
   };
   const auto states_at = [&](TimeNs at_ns) {
-    while (!must(aside.enter(at_ns, stage.exposed_ns, stage.compiled.universes, driven))) must(aside.leave(*stage.frame));
+    while (!must(aside.enter(at_ns, stage.exposed_ns, stage.compiled.universes, driven))) {
+      must(aside.leave(*stage.frame));
+    }
     const render::FrameState states = stage.state();
     must(aside.leave(*stage.frame));
     return states;

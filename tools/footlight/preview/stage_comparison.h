@@ -67,8 +67,8 @@ class StageComparison {
   // The one that the frame has the fixtures of; null: its own.
   [[nodiscard]] AsideStage* inside() const;
   [[nodiscard]] std::optional<Transport::Seeking> seeking() const;
-  // The picture of next_side() is begun. The camera, time and exposure of B are those of A as well; the exposure ends at
-  // the time.
+  // The picture of next_side() is begun. The camera, time and exposure of B are those of A as well; the exposure ends
+  // at the time.
   void begin(const OrbitCamera& camera, TimeNs log_ns, DurationNs exposure_ns);
   // Of B's picture, once one was begun.
   [[nodiscard]] const std::optional<OrbitCamera>& camera() const { return camera_; }
