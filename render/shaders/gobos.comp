@@ -19,7 +19,7 @@ void main() {
   BeamRow row = beams[index];
   if (has_several_images(row)) return;  // gates.comp has queued those of gates
   GoboImage only = gobo_only_image(row);
-  if (gobo_lines_layer(row, only) != 0u) {
+  if (gobo_lines_layer(only) != 0u) {
     if ((atomicOr(gobo_tables[only.image - 1u].built, FL_GOBO_LINES_BUILT) & FL_GOBO_LINES_BUILT) == 0u) {
       gobo_jobs[gobo_queue.capacity + atomicAdd(gobo_queue.lines_groups[2], 1u)] = only.image;
     }

@@ -135,6 +135,26 @@ TEST_CASE("a gobo that frost blurs is drawn from lines beside each other, nearer
   }
 }
 
+TEST_CASE("a gobo out of focus is drawn from lines beside each other, nearer to the judge than by samples") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = in_the_air(optics_scene(true));
+  scene.set(0, "Gobo1WheelIndex", 270);
+  scene.set(0, "Gobo1Pos", 30);
+  const auto by_tables = make_frame(vulkan.device(), scene, with_method(GoboMethod::kTables, 128, 32, 18));
+  const auto by_taps = make_frame(vulkan.device(), scene, with_method(GoboMethod::kTaps, 128, 32, 18));
+  for (const double focus : {0.1, 0.5, 0.8, 1.0}) {
+    CAPTURE(focus);
+    scene.set(0, "Focus1", focus);
+    const std::vector<double> judged = judged_picture(scene, judged_settings(32, 18), 1e-3);
+    const double lines = rel_l2(draw(*by_tables, scene), judged);
+    const double samples = rel_l2(draw(*by_taps, scene), judged);
+    std::fprintf(stderr, "focus %g: lines %.3g, 128 samples %.3g\n", focus, lines, samples);
+    CHECK(lines < samples);
+    if (focus >= 0.8) CHECK(lines < 0.8 * samples);
+  }
+}
+
 TEST_CASE("each colour of a gobo has its own tables") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

@@ -3,8 +3,8 @@
 //
 // One sharp image has tables, and so has the image of a gate (the pass of gobos builds them): a chord across the whole
 // disc is one texel, four weights of the nodes of W. A chord that is cut, by a surface, a blade or an iris, is sums
-// along lines of the nearest of 64 directions, piece by piece, of one that frost blurs several of these; a short one is
-// samples. Whatever else stands in a beam is samples.
+// along lines of the nearest of 64 directions, piece by piece. One that frost or the focus blurs is several of these. A
+// short one is samples. Whatever else stands in a beam is samples.
 #include "render/shaders/shared/gobo_chord.h"
 #define FL_GOBO_TABLES_ACCESS readonly
 #include "render/shaders/lib/profile_index.glsl"
@@ -144,21 +144,39 @@ float gobo_lines_plane(GoboTables tables, uint plane, BeamShape beam, Chord chor
   return total;
 }
 
-// A cut chord. Frost blurs it by a radius `blur`: the mean of straight lines beside it, by Gauss's rule for the shadow
-// of the blur's disc. A shift along the chord is left out; it would change its ends alone.
+// Radii of the image's blur at both ends of a chord. Frost blurs alike everywhere. The focus blurs by the distance from
+// the lens: a ray through one point of the lens is straight in the gate, so between the ends its place beside the chord
+// changes evenly with the place in the gate, and has the other sign beyond the focus.
+vec2 gobo_blurs(BeamRow row, Chord chord, vec3 d) {
+  vec2 blurs = vec2(row.gobo_blur > 1e-4 ? row.gobo_blur : 0.0);
+  if (!kFocus || row.focus < 0.0) return blurs;
+  float s;
+  vec2 t_m;
+  chord_point(chord, 0.0, s, t_m.x);
+  chord_point(chord, 1.0, s, t_m.y);
+  vec2 z_m = chord.base.z + t_m * d.z;
+  vec2 shifts = vec2(focus_shift(row.x_axis.w, row.y_axis.w, z_m.x, row.focus),
+                     focus_shift(row.x_axis.w, row.y_axis.w, z_m.y, row.focus));
+  return blurs.x > 0.0 ? max(blurs, abs(shifts)) : shifts;
+}
+
+// A cut or blurred chord: the mean of straight lines beside it, by Gauss's rule for the shadow of the blur's disc. A
+// shift along the chord is left out; it would change its ends alone.
 const uint kBlurLines = 6u;
+const float kWidestBlur = 0.25;  // six lines lie too far apart in a wider one, as near a lens: docs/numerics.md
 vec3 gobo_lines_chord(GoboTables tables, BeamShape beam, Chord chord, ChordWeight weight, vec2 from, vec2 to,
-                      float blur) {
-  uint count = blur > 0.0 ? kBlurLines : 1u;
-  vec2 aside = blur * normalize(to - from).yx * vec2(1.0, -1.0);
+                      vec2 blurs) {
+  uint count = any(greaterThan(abs(blurs), vec2(1e-4))) ? kBlurLines : 1u;
+  vec2 aside = normalize(to - from).yx * vec2(1.0, -1.0);
   vec3 total = vec3(0.0);
   // One loop over colours and lines, so that the code of a line is there once.
   for (uint i = 0u; i < tables.planes * count; ++i) {
     float angle = 3.141592653589793 / float(count + 1u) * float(i % count + 1u);
     float share = 2.0 / float(count + 1u) * sin(angle) * sin(angle);
-    vec2 shift = cos(angle) * aside;
+    vec2 u = cos(angle) * aside;
     uint plane = i / count;
-    float light = share * gobo_lines_plane(tables, plane, beam, chord, weight, from + shift, to + shift);
+    float light =
+        share * gobo_lines_plane(tables, plane, beam, chord, weight, from + blurs.x * u, to + blurs.y * u);
     total += light * vec3(plane == 0u, plane == 1u, plane == 2u);
   }
   return (tables.planes == 1u ? vec3(total.r) : total) * chord_measure(chord);
@@ -183,7 +201,7 @@ vec3 gobo_inscatter(BeamShape beam, Medium medium, Chord chord, vec3 d, bool wit
   if (kGoboMethod == uint(FL_GOBO_TABLES)) {
     GoboImage only = gobo_only_image(row);
     GoboTables tables;
-    tables.lines = gobo_lines_layer(row, only);
+    tables.lines = gobo_lines_layer(only);
     if (tables.lines != 0u) {
       tables.image = only.image;
       tables.gate = gobo_tables[only.image - 1u].gate;
@@ -203,8 +221,9 @@ vec3 gobo_inscatter(BeamShape beam, Medium medium, Chord chord, vec3 d, bool wit
       from = vec2(turn.x * from.x + turn.y * from.y, turn.x * from.y - turn.y * from.x);
       to = vec2(turn.x * to.x + turn.y * to.y, turn.x * to.y - turn.y * to.x);
       bool sharp = gobo_is_sharp(row);
-      if (distance(from, to) > kShortChord) {
-        return gobo_lines_chord(tables, beam, chord, weight, from, to, sharp ? 0.0 : row.gobo_blur);
+      vec2 blurs = gobo_blurs(row, chord, d);
+      if (distance(from, to) > kShortChord && all(lessThan(abs(blurs), vec2(kWidestBlur)))) {
+        return gobo_lines_chord(tables, beam, chord, weight, from, to, blurs);
       }
       if (sharp) return gobo_short_chord(tables, beam, chord, weight, from, to);
     }

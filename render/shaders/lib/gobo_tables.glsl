@@ -30,10 +30,8 @@ GoboImage gobo_only_image(BeamRow row) {
 // Its light comes through as it is drawn.
 bool gobo_is_sharp(BeamRow row) { return row.gobo_blur <= 1e-4 && row.focus < 0.0; }
 
-// The first layer, plus 1, of its sums along lines; 0: none. They serve a blur that is the same all along the beam.
-uint gobo_lines_layer(BeamRow row, GoboImage only) {
-  return only.image != 0u && row.focus < 0.0 ? gobo_tables[only.image - 1u].lines : 0u;
-}
+// The first layer, plus 1, of its sums along lines; 0: none.
+uint gobo_lines_layer(GoboImage only) { return only.image != 0u ? gobo_tables[only.image - 1u].lines : 0u; }
 
 // Whether whole chords serve the beam: they hold the profile, over the whole image.
 bool gobo_has_whole(BeamRow row) {

@@ -66,12 +66,17 @@ FL_FN bool wheel_slot_at(Vec2 p, Real offset, FL_OUT(Vec2) at) {
   return beside;
 }
 
-// Defocus: a point of the gate becomes a disc of this radius, in beam radii, at the distance z_m from the lens. Light
-// from it leaves the lens over its whole opening and meets again where it is in focus, 1 / focus_per_m away.
-FL_FN Real focus_blur(Real lens_radius_m, Real spread, Real z_m, Real focus_per_m) {
+// Defocus: light of a point of the gate leaves the lens over its whole opening and meets again where it is in focus,
+// 1 / focus_per_m away. At the distance z_m from the lens, light from the rim of the lens is this far from the middle, in
+// beam radii; beyond the focus it is on the other side, which is negative.
+FL_FN Real focus_shift(Real lens_radius_m, Real spread, Real z_m, Real focus_per_m) {
   if (focus_per_m < Real(0)) return Real(0);
   Real z = max(z_m, Real(0));
-  return lens_radius_m * abs(Real(1) - z * focus_per_m) / max(lens_radius_m + spread * z, Real(1e-9));
+  return lens_radius_m * (Real(1) - z * focus_per_m) / max(lens_radius_m + spread * z, Real(1e-9));
+}
+// The point becomes a disc of this radius.
+FL_FN Real focus_blur(Real lens_radius_m, Real spread, Real z_m, Real focus_per_m) {
+  return abs(focus_shift(lens_radius_m, spread, z_m, focus_per_m));
 }
 // The rim of a beam out of focus is softened as by frost: its blur far away is the amount.
 FL_FN Real focus_rim(Real lens_radius_m, Real spread, Real focus_per_m) {

@@ -551,7 +551,7 @@ void add(Arguments& arguments) {
   arguments.option("--gobos", options->gobos, "WORD",
                    "in the air: samples or tables; default: tables on a GPU, samples on a CPU");
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024,
-                   "samples per beam and pixel where gobos have no tables: focus, too many gates [128]");
+                   "samples per beam and pixel where gobos have no tables: a wide blur, too many gates [128]");
   arguments.option("--gobo-px", options->gobo_px, 64, 2048,
                    "texels a side of gobo images, a power of two; default: 1024 on a GPU where they fit, else 512");
   arguments.option("--edges", options->edges, "WORD",
