@@ -67,8 +67,8 @@ FL_FN bool wheel_slot_at(Vec2 p, Real offset, FL_OUT(Vec2) at) {
 }
 
 // Defocus: light of a point of the gate leaves the lens over its whole opening and meets again where it is in focus,
-// 1 / focus_per_m away. At the distance z_m from the lens, light from the rim of the lens is this far from the middle, in
-// beam radii; beyond the focus it is on the other side, which is negative.
+// 1 / focus_per_m away. At the distance z_m from the lens, light from the rim of the lens is this far from the middle,
+// in beam radii; beyond the focus it is on the other side, which is negative.
 FL_FN Real focus_shift(Real lens_radius_m, Real spread, Real z_m, Real focus_per_m) {
   if (focus_per_m < Real(0)) return Real(0);
   Real z = max(z_m, Real(0));

@@ -711,6 +711,20 @@ ImGuiID input_item(const char* endpoint, const char* label) {
   return ImHashStr(label, 0, ImHashStr(endpoint, 0, table));
 }
 
+TEST_CASE("the blackout can be clicked in a panel that is too narrow for a line of all buttons") {
+  OutputsView view = two_outputs();
+  view.rows[1].state = ArmState::kArmed;
+  Ui ui(&view, 500, 700, 2);
+  ImRect body = Ui::body();
+  REQUIRE(body.GetWidth() < 500);
+  body.Min.y += 24;  // the title is twice as high
+  const bool darkened = ui.click_over(body, false, [&] {
+    if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);
+    return view.blackout == true;
+  });
+  CHECK(darkened);
+}
+
 TEST_CASE("no button of an output or an input moves when an output is armed, something fails or an input comes") {
   OutputsView view = two_outputs();
   view.universes = {1, 2};

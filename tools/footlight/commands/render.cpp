@@ -96,6 +96,7 @@ Status check_options(const Options& options) {
   if (options.flashes != "warn" && options.flashes != "limit" && options.flashes != "ignore") {
     return fail(ErrorCode::kBadInput, "--flashes {}: expected warn, limit or ignore", options.flashes);
   }
+  FL_TRY(parse_style(options.camera_words.style));
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
   if (shown != ShownView::kPicture && is_exr(options.out)) {
     return fail(ErrorCode::kBadInput, "--show {}: false colours are no light; expected .png or .mp4 instead of {}",
@@ -461,7 +462,9 @@ Result<int> render_pictures(const Options& options) {
   settings.gobo_px = options.gobo_px.value_or(settings.gobo_px);
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
   FL_ASSIGN(settings.view, frame_view_of(shown, compiled.needs.panes));
-  FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
+  FL_ASSIGN(const auto style, parse_style(options.camera_words.style));
+  settings = render::settings_of(style, settings);
+  FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings, render::passes_of(style)));
   warn_of_hard_edges(frame->settings());
   frame->set_work_light_lx(options.work_light_lx.value_or(usual_lx));
   print_warnings(frame->resources().rig.diagnostics);

@@ -45,6 +45,12 @@ Result<bool> parse_switch(const char* option, const std::string& text) {
 
 }  // namespace
 
+Result<render::PictureStyle> parse_style(const std::string& text) {
+  auto style = render::picture_style_of(text);
+  if (!style) return fail(ErrorCode::kBadInput, "--style {}", printable_utf8(style.error().message));
+  return style;
+}
+
 Status take_shadows(const std::string& text, render::FrameSettings& settings) {
   settings.shadows = text != "off";
   settings.shadow_map_px = text == "exact" ? 0 : text == "maps" ? render::kMapUsualPx : render::kShadowsSuited;
@@ -122,6 +128,7 @@ void add_camera_arguments(Arguments& arguments, CameraWords& words) {
   arguments.option("--white-balance", words.white_balance, "KELVIN",
                    "light of this colour temperature is shown as white, as in 3200K or 5600K; off: daylight of 6500 K "
                    "is [off]");
+  arguments.option("--style", words.style, "WORD", kStyleHelp);
   arguments.option("--tone", words.tone, "WORD", "tone curve: " + tone_words() + " [agx]");
   arguments.option("--f-stop", words.f_stop, "N",
                    "depth of field: focal length over aperture, as in 2.8, of a lens before a sensor 24 mm high; off: "

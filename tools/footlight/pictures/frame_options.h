@@ -6,6 +6,7 @@
 #include <string>
 
 #include "fixtures/model/rig.h"
+#include "render/rivals/picture_style.h"
 #include "render/settings.h"
 #include "sim/core/result.h"
 #include "tools/footlight/command.h"
@@ -20,6 +21,11 @@ inline constexpr const char* kShadowsHelp =
     "exact: cut at the edges of what hides light; maps or maps:N: by shadow maps of 64 or N texels a side, whose time "
     "grows little with the number of things; on: as suits the rig; off: beams pass through boxes and fixtures, what "
     "they reflect does not [on]";
+// "physical", "vrsl" or "card".
+[[nodiscard]] Result<render::PictureStyle> parse_style(const std::string& text);
+inline constexpr const char* kStyleHelp =
+    "physical; vrsl: cones and spots by the formulas of VR Stage Lighting, without shadows; card: a flat fan of light "
+    "for each beam; the latter two have no unit and no stated error [physical]";
 // FrameSettings::penumbra of "1", "4" or "7". After take_shadows(): fails where that chose shadow maps and the edges
 // are not hard.
 Status take_penumbra(const std::string& text, render::FrameSettings& settings);
@@ -49,6 +55,7 @@ struct CameraWords {
   std::string white_balance = "off";
   std::string tone = "agx";
   bool auto_exposure = false;
+  std::string style = "physical";
   std::string f_stop = "camera";
   std::optional<double> focus_m;
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/quality.h"
+#include "render/rivals/picture_style.h"
 #include "sim/core/clock.h"
 #include "tools/footlight/pictures/flash_mode.h"
 #include "tools/footlight/pictures/frame_options.h"
@@ -49,6 +50,7 @@ struct PreviewOptions {
   std::optional<std::uint32_t> edge_samples;  // default: render::suited_edge_samples()
   bool bounce = true;
   bool probes = true;
+  render::PictureStyle style = render::PictureStyle::kPhysical;
   render::FrameSettings display;  // of which glare, white balance, tone curve, automatic exposure, and shadows
   CameraWords camera_words;  // of which depth of field, that of the first camera where they name none
   FlashMode flashes = FlashMode::kWarn;

@@ -97,7 +97,8 @@ Status Preview::begin_frame(const PixelRect& where) {
                        [this, scene = making_scene_, settings = table_settings(where), until_ns,
                         logs = player_ != nullptr]() -> Result<std::unique_ptr<Made>> {
                          auto made = std::make_unique<Made>();
-                         FL_ASSIGN(made->frame, render::Frame::create(*device_, scene->rig, scene->compiled, settings));
+                         FL_ASSIGN(made->frame, render::Frame::create(*device_, scene->rig, scene->compiled, settings,
+                                                                  render::passes_of(options_.style)));
                          if (!logs) return made;
                          made->player = make_player(scene, *log_);
                          const auto step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool exposes) {

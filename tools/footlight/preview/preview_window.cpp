@@ -395,7 +395,9 @@ Status Preview::update_error() {
     error_tried_ = false;
   } else if (!error_ && !error_tried_ && !is_rough_) {
     const fixtures::Needs& needs = framed_->compiled.needs;
-    const bool measures = !needs.laser && !needs.panes && !needs.displays;  // it computes beams again, and nothing else
+    // It computes beams again, and nothing else.
+    const bool measures = !needs.laser && !needs.panes && !needs.displays &&
+                          options_.style == render::PictureStyle::kPhysical;
     if (measures && !error_begun_) render::LiveError::compile_ahead(*device_, frame_->settings(), needs);
     error_begun_ = true;
     if (!times_out_ && !device_->pipelines().finished()) return {};  // pictures go on without it
@@ -424,6 +426,7 @@ render::FrameSettings Preview::frame_settings(const PixelRect& where, bool rough
   settings.focus_m = lens_.focus_m;
   take_display(controls_, settings);
   settings.haze = controls_.haze;
+  settings = render::settings_of(options_.style, settings);
   return rough ? render::rough_settings(settings, framed_->compiled.beams_max) : settings;
 }
 
@@ -444,7 +447,7 @@ Status Preview::rebuild(const PixelRect& where) {
     FL_TRY(frame_->change(settings));
   } else {
     FL_ASSIGN(frame_, render::Frame::create(*device_, framed_->rig, framed_->compiled, table_settings(where),
-                                            render::product_passes(), &settings));
+                                            render::passes_of(options_.style), &settings));
     videos_.show_all_again();
     print_warnings(frame_->resources().rig.diagnostics);
     warn_of_hard_edges(frame_->settings());

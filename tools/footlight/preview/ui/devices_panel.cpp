@@ -107,13 +107,13 @@ class DevicesPanel final : public Panel {
     if (!any) ui_text(kUiDim, tr("nothing is set by hand"));
     if (!view.by_hand.empty()) {
       ui_text(kUiGreen, view.by_hand);
-      ImGui::SameLine();
+      ui_same_line_for(tr_label("release all"));
       if (ImGui::SmallButton(tr_label("release all"))) view.release_hand = true;
     }
     if (!view.dark_by_hand) return;
-    if (!view.by_hand.empty()) ImGui::SameLine();
+    if (!view.by_hand.empty()) ui_same_line_for(tr("BLACKOUT by hand"));
     ui_text(kUiRed, tr("BLACKOUT by hand"));
-    ImGui::SameLine();
+    ui_same_line_for(tr_label("end it"));
     if (ImGui::SmallButton(tr_label("end it"))) view.end_hand_blackout = true;
   }
 
@@ -122,7 +122,7 @@ class DevicesPanel final : public Panel {
       return std::find(view.inputs.begin(), view.inputs.end(), endpoint) != view.inputs.end();
     };
     if (const auto asked = draw_field("input", "sacn:1-9", input_text_, tr_label("add an input"))) view.add = asked;
-    ImGui::SameLine(0, 16 * scale);
+    ui_same_line_for(tr("or made up:"), false, 16 * scale);
     ImGui::BeginDisabled(!view.why_not.empty());
     ui_text(kUiDim, tr("or made up:"));
     for (const std::string_view word : kPatternWords) {
@@ -141,10 +141,10 @@ class DevicesPanel final : public Panel {
   static std::optional<std::string> draw_field(const char* what, const char* example, std::array<char, 160>& text,
                                                const char* words) {
     ImGui::PushID(what);
-    ImGui::SetNextItemWidth(ImGui::GetFontSize() * 12);
+    ImGui::SetNextItemWidth(std::min(ImGui::GetFontSize() * 12, ImGui::GetContentRegionAvail().x));
     constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll;
     bool adds = ImGui::InputTextWithHint("##endpoint", example, text.data(), text.size(), kFlags);
-    ImGui::SameLine();
+    ui_same_line_for(words);
     adds = ImGui::Button(words) || adds;
     ImGui::PopID();
     const std::string asked = text.data();
@@ -159,11 +159,11 @@ class DevicesPanel final : public Panel {
     ImGui::BeginDisabled(!any_off);
     if (ImGui::Button(tr_label("arm all ..."))) arm_question_.ask(ArmQuestion::kAll);
     ImGui::EndDisabled();
-    ImGui::SameLine();
+    ui_same_line_for(tr_label("disarm all"));
     ImGui::BeginDisabled(!outputs.any_on());
     if (ImGui::Button(tr_label("disarm all"))) outputs.disarm_all();
     ImGui::EndDisabled();
-    ImGui::SameLine(0, 24 * scale);
+    ui_same_line_for(tr_label("BLACKOUT"), false, 24 * scale);
     ImGui::BeginDisabled(is_blackout(outputs.darkness));
     ImGui::PushStyleColor(ImGuiCol_Text, kStageColours.text);
     ImGui::PushStyleColor(ImGuiCol_Button, {0.45f, 0.10f, 0.10f, 1});
@@ -171,9 +171,9 @@ class DevicesPanel final : public Panel {
     if (ImGui::Button(tr_label("BLACKOUT"))) outputs.blackout = true;
     ImGui::PopStyleColor(3);
     ImGui::EndDisabled();
-    ImGui::SameLine();
     // A button of its own, so that a second click on the first one does not end what it began.
     const char* const end = tr_label("end the blackout");
+    ui_same_line_for(end);
     if (!is_blackout(outputs.darkness)) {
       ImGui::Dummy({button_width({end}), ImGui::GetFrameHeight()});
     } else if (ImGui::Button(end)) {
@@ -185,9 +185,7 @@ class DevicesPanel final : public Panel {
   // On the line of the buttons if there is room.
   static void draw_hold(OutputsView& outputs, float scale) {
     const std::string words = trf("live only while {} is held", tr(kHoldKeyName));
-    ImGui::SameLine(0, 24 * scale);
-    const float width = ImGui::CalcTextSize(words.c_str()).x + ImGui::GetFrameHeightWithSpacing();
-    if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
+    ui_same_line_for(words.c_str(), true, 24 * scale);
     ImGui::Checkbox((words + "###hold").c_str(), &outputs.needs_hold);
     if (!ImGui::IsItemHovered()) return;
     ImGui::SetTooltip("%s", tr("A dead man's switch: lamps are dark when the key is released, when another window has "

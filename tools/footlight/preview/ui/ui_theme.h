@@ -61,11 +61,11 @@ inline void ui_text(const ImVec4& colour, std::string_view words) {
 
 // The next item follows on the line if it fits: a button or text with these words, whose label may have a part from
 // "##" on. has_box: a check box before the words.
-inline void ui_same_line_for(const char* words, bool has_box = false) {
+inline void ui_same_line_for(const char* words, bool has_box = false, float spacing_px = -1) {
   const ImGuiStyle& style = ImGui::GetStyle();
   const float beside = has_box ? ImGui::GetFrameHeight() + style.ItemInnerSpacing.x : 2 * style.FramePadding.x;
   const float width = ImGui::CalcTextSize(words, nullptr, true).x + beside;
-  ImGui::SameLine();
+  ImGui::SameLine(0, spacing_px);
   if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
 }
 

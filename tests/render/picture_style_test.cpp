@@ -1,0 +1,94 @@
+// Pictures in the style of other systems.
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "render/rivals/picture_style.h"
+#include "tests/render/scenes.h"
+#include "tests/support/headless_vulkan.h"
+
+namespace footlight::render {
+namespace {
+
+using namespace render::testing;
+using footlight::testing::HeadlessVulkan;
+
+RadianceImage draw_style(vk::Device& device, const Scene& scene, PictureStyle style) {
+  const FrameSettings settings = settings_of(style, judged_settings(32, 18));
+  const auto frame = must(Frame::create(device, scene.rig, scene.compiled, settings, passes_of(style)));
+  RadianceImage image = draw(*frame, scene);
+  CHECK(draw(*frame, scene).rgb == image.rgb);
+  for (const auto value : image.rgb) REQUIRE(std::isfinite(value));
+  return image;
+}
+
+double middle_of(const RadianceImage& image) {
+  return static_cast<double>(image.rgb[3 * (static_cast<std::size_t>(image.height / 2) *
+                                                static_cast<std::size_t>(image.width) +
+                                            static_cast<std::size_t>(image.width / 2))]);
+}
+
+// A wide lamp that shines along +Y on a wall, seen from beside the lamp.
+Scene wall_at(double distance_m, double scattering_per_m) {
+  Scene scene = lamps_scene(1, 1);
+  fixtures::PatchedFixture& lamp = scene.rig.fixtures.front();
+  lamp.type = 1;
+  lamp.position_m = {0, 0, 5};
+  lamp.rotation_deg = {90, 0, 0};
+  scene.rig.haze = {};
+  scene.rig.haze.scattering_per_m = scattering_per_m;
+  scene.rig.ambient_lx = 0;
+  scene.rig.boxes = {{"wall", {-20, distance_m, 0}, {20, distance_m + 0.2, 12}, glm::dvec3(0.5)}};
+  scene.rig.cameras = {{"beside", {0.5, 0, 5.5}, {0, distance_m, 5}, 20, 8}};
+  scene.compile();
+  for (const char* channel : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(0, channel, 1);
+  scene.set(0, "Zoom", 40);
+  return scene;
+}
+
+TEST_CASE("a spot of VRSL equals the beam's illuminance 6 m away and falls with the third power of the distance") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  for (const double distance_m : {6.0, 9.0, 12.0}) {
+    CAPTURE(distance_m);
+    const Scene scene = wall_at(distance_m, 0);
+    const double physical = middle_of(draw_style(vulkan.device(), scene, PictureStyle::kPhysical));
+    const double vrsl = middle_of(draw_style(vulkan.device(), scene, PictureStyle::kVrsl));
+    REQUIRE(physical > 0);
+    CHECK(vrsl / physical == doctest::Approx(6 / distance_m).epsilon(0.03));
+  }
+}
+
+TEST_CASE("beams of VRSL and cards shine in the air before a surface, and not without haze") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  // Across the beam, which ends at the wall.
+  const auto beside = [](double scattering_per_m) {
+    Scene scene = wall_at(12, scattering_per_m);
+    scene.rig.cameras.front() = {"side", {9, 5, 5}, {0, 5, 5}, 40, 8};
+    const auto levels = scene.levels;
+    scene.compile();
+    scene.levels = levels;
+    return scene;
+  };
+  for (const PictureStyle style : {PictureStyle::kVrsl, PictureStyle::kCard}) {
+    CAPTURE(word_of(style));
+    CHECK(middle_of(draw_style(vulkan.device(), beside(0.02), style)) > 0);
+    CHECK(middle_of(draw_style(vulkan.device(), beside(0), style)) == 0);
+  }
+}
+
+TEST_CASE("a style has the passes that its words say, and none of the product's light in the haze") {
+  for (const PictureStyle style : {PictureStyle::kPhysical, PictureStyle::kVrsl, PictureStyle::kCard}) {
+    CHECK(must(picture_style_of(word_of(style))) == style);
+    int own = 0;
+    for (const PassEntry* pass : passes_of(style)) own += std::string_view(pass->name) == "beams" ? 1 : 0;
+    CHECK(own == (style == PictureStyle::kPhysical ? 1 : 0));
+  }
+  const auto wrong = picture_style_of("VRSL");
+  REQUIRE(!wrong);
+  CHECK(wrong.error().message == "VRSL: expected physical, vrsl or card");
+}
+
+}  // namespace
+}  // namespace footlight::render
