@@ -714,9 +714,9 @@ ImGuiID input_item(const char* endpoint, const char* label) {
 TEST_CASE("the blackout can be clicked in a panel that is too narrow for a line of all buttons") {
   OutputsView view = two_outputs();
   view.rows[1].state = ArmState::kArmed;
-  Ui ui(&view, 500, 700, 2);
+  Ui ui(&view, 440, 700, 2);
   ImRect body = Ui::body();
-  REQUIRE(body.GetWidth() < 500);
+  REQUIRE(body.GetWidth() < 440);
   body.Min.y += 24;  // the title is twice as high
   const bool darkened = ui.click_over(body, false, [&] {
     if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);
