@@ -1,6 +1,9 @@
 #include "sim/dmx_log/log_output.h"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
@@ -37,6 +40,40 @@ std::string newest_part(const std::string& path) {
     newest_time = time;
   }
   return newest;
+}
+
+// Writes the first `size` bytes of a file to a new one. errno says why it could not.
+bool copy_to_new(int from, std::uint64_t size, const std::string& path) {
+  const int to = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (to < 0) return false;
+  std::array<std::uint8_t, 1u << 16> bytes;
+  std::uint64_t done = 0;
+  bool sound = true;
+  while (sound && done < size) {
+    const ssize_t read = ::pread(from, bytes.data(), std::min<std::uint64_t>(bytes.size(), size - done),
+                                 static_cast<off_t>(done));
+    if (read < 0 && errno == EINTR) continue;
+    if (read == 0) errno = EIO;
+    sound = read > 0;
+    for (ssize_t at = 0; sound && at < read;) {
+      const ssize_t count = ::write(to, bytes.data() + at, static_cast<std::size_t>(read - at));
+      if (count < 0 && errno == EINTR) continue;
+      if (count == 0) errno = ENOSPC;
+      sound = count > 0;
+      if (sound) at += count;
+    }
+    if (sound) done += static_cast<std::uint64_t>(read);
+  }
+  sound = sound && (::fdatasync(to) == 0 || errno == EINVAL);
+  const int why = errno;
+  const bool closed = ::close(to) == 0;
+  if (!sound || !closed) {
+    if (!sound) errno = why;
+    const int error_number = errno;
+    ::unlink(path.c_str());
+    errno = error_number;
+  }
+  return sound && closed;
 }
 
 class FileOutput final : public LogOutput {
@@ -76,6 +113,11 @@ class FileOutput final : public LogOutput {
 
   Status finish() override {
     FL_TRY(sync());
+    struct stat info {};
+    // Somebody has deleted the file that is still open here: it is written once more.
+    if (::fstat(fd_, &info) == 0 && info.st_nlink == 0 && !copy_to_new(fd_, size_, part_path_)) {
+      return fail_errno(errno, part_path_, "was deleted and cannot be written again: the recording is lost");
+    }
     if (!overwrite_) {
       // Unlike rename(), link() never replaces a file created meanwhile.
       if (::link(part_path_.c_str(), path_.c_str()) == 0) {

@@ -273,6 +273,43 @@ TEST_CASE("a writer destroyed without close leaves its frames in the .part file,
   CHECK(info->universes.size() == 2);
 }
 
+TEST_CASE("a recording whose .part was deleted has all its frames under its name, or under the .part if that exists") {
+  const TempFolder folder;
+  const std::string path = folder.file("show.dmxlog");
+  const auto frames = random_frames(1, 2000, 2);
+  for (const bool exists : {false, true}) {
+    CAPTURE(exists);
+    std::filesystem::remove(path);
+    auto writer = LogWriter::create(path, {});
+    REQUIRE(writer);
+    for (const OwnedFrame& frame : frames) REQUIRE(writer->append(frame.view()));
+    REQUIRE(std::filesystem::remove(path + ".part"));
+    if (exists) std::ofstream(path) << "mine";
+    CHECK(writer->close(frames.back().time_ns).has_value() == !exists);
+    CHECK(std::filesystem::exists(path + ".part") == exists);
+    if (exists) CHECK(std::filesystem::file_size(path) == 4);
+    auto reader = LogReader::open(exists ? path + ".part" : path);
+    REQUIRE(reader);
+    CHECK(reader->info().finished);
+    CHECK(all_frames(*reader) == frames);
+  }
+}
+
+TEST_CASE("a recording whose .part was deleted and cannot be written again is lost with that message") {
+  const TempFolder folder;
+  const std::string path = folder.file("show.dmxlog");
+  auto writer = LogWriter::create(path, {});
+  REQUIRE(writer);
+  const auto frames = random_frames(1, 50, 2);
+  for (const OwnedFrame& frame : frames) REQUIRE(writer->append(frame.view()));
+  REQUIRE(std::filesystem::remove(path + ".part"));
+  std::filesystem::create_directory(path + ".part");
+  const auto closed = writer->close(frames.back().time_ns);
+  REQUIRE(!closed);
+  CHECK(closed.error().message.find(".part: was deleted and cannot be written again: the recording is lost") !=
+        std::string::npos);
+}
+
 TEST_CASE("The error for a missing log names the .part file that was written last, whatever numbers are missing") {
   const TempFolder folder;
   const std::string path = folder.file("show.dmxlog");
