@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <string>
 
+#include "render/passes/gobos.h"
+#include "render/passes/haze.h"
 #include "render/passes/surfaces.h"
 #include "render/rivals/beam_card.h"
 #include "render/rivals/rival_pass.h"
@@ -85,8 +87,18 @@ const PassEntry kVrslBeam{"VRSL's beams",
                           },
                           "light in the haze"};
 
+// In place of the product's light of beams in the haze. Lasers, displays and shafts still read the table of haze; tables
+// of gobos would be built for nobody.
+PassList style_passes(const PassList& air) {
+  PassList own{&kHazePass};
+  own.insert(own.end(), air.begin(), air.end());
+  PassList list = passes_with_air(own);
+  std::erase(list, &kGobosPass);
+  return list;
+}
+
 PassList vrsl_passes() {
-  PassList list = passes_with_air({&kVrslSpot, &kVrslBeam});
+  PassList list = style_passes({&kVrslSpot, &kVrslBeam});
   std::replace(list.begin(), list.end(), &kSurfacesPass, &kUnlitSurfaces);
   return list;
 }
@@ -111,7 +123,7 @@ Result<PictureStyle> picture_style_of(std::string_view word) {
 
 const PassList& passes_of(PictureStyle style) {
   static const PassList kVrslList = vrsl_passes();
-  static const PassList kCardList = passes_with_air({&kBeamCardPass});
+  static const PassList kCardList = style_passes({&kBeamCardPass});
   return style == PictureStyle::kVrsl ? kVrslList : style == PictureStyle::kCard ? kCardList : product_passes();
 }
 
@@ -121,6 +133,7 @@ FrameSettings settings_of(PictureStyle style, FrameSettings settings) {
   if (style == PictureStyle::kCard) return settings;
   settings.bounce = false;
   settings.probes = false;
+  settings.gloss_px = 0;
   settings.shadows = false;
   return settings;
 }

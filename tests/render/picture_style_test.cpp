@@ -1,5 +1,5 @@
 // Pictures in the style of other systems.
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -78,12 +78,33 @@ TEST_CASE("beams of VRSL and cards shine in the air before a surface, and not wi
   }
 }
 
+TEST_CASE("a shiny floor in the style of VRSL is as bright as a matt one") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = wall_at(8, 0);
+  scene.rig.boxes.push_back({"floor", {-20, -20, -0.2}, {20, 20, 0}, glm::dvec3(0.5)});
+  scene.rig.cameras.front() = {"low", {0, -6, 2}, {0, 2, 0}, 40, 8};
+  scene.rig.ambient_lx = 50;
+  const auto levels = scene.levels;
+  const auto floor_of = [&](double gloss) {
+    scene.rig.boxes.back().gloss.share = gloss;
+    scene.compile();
+    scene.levels = levels;
+    return draw_style(vulkan.device(), scene, PictureStyle::kVrsl).rgb;
+  };
+  CHECK(floor_of(0.5) == floor_of(0));
+}
+
 TEST_CASE("a style has the passes that its words say, and none of the product's light in the haze") {
   for (const PictureStyle style : {PictureStyle::kPhysical, PictureStyle::kVrsl, PictureStyle::kCard}) {
     CHECK(must(picture_style_of(word_of(style))) == style);
-    int own = 0;
-    for (const PassEntry* pass : passes_of(style)) own += std::string_view(pass->name) == "beams" ? 1 : 0;
-    CHECK(own == (style == PictureStyle::kPhysical ? 1 : 0));
+    const auto has = [&](std::string_view name) {
+      const PassList& passes = passes_of(style);
+      return std::any_of(passes.begin(), passes.end(), [&](const PassEntry* pass) { return pass->name == name; });
+    };
+    CHECK(has("beams") == (style == PictureStyle::kPhysical));
+    CHECK(has("gobos") == (style == PictureStyle::kPhysical));
+    CHECK(has("haze"));  // lasers, displays and shafts read its table
   }
   const auto wrong = picture_style_of("VRSL");
   REQUIRE(!wrong);

@@ -52,7 +52,8 @@ void main() {
   float value = slope * before_surface * from_eye * (1.0 - sqrt(stretched)) * mix(1.0, 0.5, stretched);
   // Noise on the wall, and in the room, as strong as its default.
   vec3 place_m = params.position.xyz + from_camera_m;
-  value *= 0.5 + value_noise(vec3(6.0 * along, 6.0 * on_wall.y, own.y));
+  vec2 around = vec2(cos(6.283185 * on_wall.y), sin(6.283185 * on_wall.y));
+  value *= 0.5 + value_noise(vec3(6.0 * along, 2.0 * around + own.y));
   value *= mix(1.0, value_noise(place_m / 1.25), 0.85);
   value *= mix(1.0, 25.0, unit(pow(slope, 12.0)));
   if (has_gobo) value *= mix(1.0, 1.0 + sin(6.283185307179586 * whole.z * on_wall.y + 5.0 * own.x), whole.w);

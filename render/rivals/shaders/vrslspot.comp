@@ -48,6 +48,7 @@ vec3 spot(BeamRow row, uint index, BeamShape shape, vec3 place_m) {
   float equal = beam_illuminance(shape, vec3(0.0, 0.0, kEqualM), ignored, ignored_m);
   float width = 4.0 * vrsl_zoom(row);
   vec3 light = row.j0.rgb * (equal * spot_law(distance_m, width) / spot_law(kEqualM, width) * (1.0 - pow(r, 1.99)));
+  if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) light *= blades_at(index, rho, p.z);
   if (has_gobo(row)) light *= gobo_on_surface(row.gobo, rho, p.z);
   return light;
 }

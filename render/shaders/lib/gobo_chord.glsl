@@ -157,7 +157,8 @@ vec2 gobo_blurs(BeamRow row, Chord chord, vec3 d) {
   vec2 z_m = chord.base.z + t_m * d.z;
   vec2 shifts = vec2(focus_shift(row.x_axis.w, row.y_axis.w, z_m.x, row.focus),
                      focus_shift(row.x_axis.w, row.y_axis.w, z_m.y, row.focus));
-  return blurs.x > 0.0 ? max(blurs, abs(shifts)) : shifts;
+  // The wider of both counts. A little frost does not make lines parallel that cross in the focus.
+  return all(greaterThan(abs(shifts), blurs)) ? shifts : max(blurs, abs(shifts));
 }
 
 // A cut or blurred chord: the mean of straight lines beside it, by Gauss's rule for the shadow of the blur's disc. A

@@ -119,6 +119,8 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
       {{"scene", "recall", "--file", missing}, 2, {"recall", "name"}},
       {{"scene", "list", "--file", missing}, 3, {missing}},
       {{"render", "--demo", "--at", "1s", "--style", "VRSL", "-o", "a.png"}, 2, {"--style VRSL", "vrsl or card"}},
+      {{"render", "--demo", "--at", "1s", "--style", "vrsl", "--show", "lux", "-o", "a.png"}, 2, {"--show", "style"}},
+      {{"render", "--demo", "--at", "1s", "--style", "card", "--error", "1%", "-o", "a.png"}, 2, {"--error", "style"}},
       {{"scene", "list", "--file", folder.file("empty.toml")}, 3, {"empty.toml", "has no scene", "scene store"}},
       {{"scene", "delete", "Warm", "--file", missing}, 3, {missing}},
       {{"run", "--in", "sacn:0-9", "--out", "mock:enttec-pro"}, 2, {"sacn:0-9", "universe 0", "1 to 63999"}},

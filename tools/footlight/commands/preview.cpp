@@ -112,7 +112,7 @@ void add(Arguments& arguments) {
     }
     FL_TRY(stage_compare_of(options->compare_stage));
     FL_TRY(take_shadows(*shadows, options->display));
-    FL_ASSIGN(options->style, parse_style(camera_words->style));
+    FL_ASSIGN(options->style, parse_style(camera_words->style, {{"--error", !error->empty()}, {"--ms", !ms->empty()}}));
     FL_TRY(take_penumbra(*penumbra, options->display));
     FL_TRY(take_reflections(*reflections, options->bounce, options->probes));
     FL_TRY(take_camera_words(*camera_words, options->display));

@@ -96,13 +96,14 @@ Status check_options(const Options& options) {
   if (options.flashes != "warn" && options.flashes != "limit" && options.flashes != "ignore") {
     return fail(ErrorCode::kBadInput, "--flashes {}: expected warn, limit or ignore", options.flashes);
   }
-  FL_TRY(parse_style(options.camera_words.style));
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
-  if (shown != ShownView::kPicture && is_exr(options.out)) {
+  const bool views = shown != ShownView::kPicture;
+  FL_TRY(parse_style(options.camera_words.style, {{"--show", views}, {"--error", !options.error.empty()}}));
+  if (views && is_exr(options.out)) {
     return fail(ErrorCode::kBadInput, "--show {}: false colours are no light; expected .png or .mp4 instead of {}",
                 options.show, options.out);
   }
-  if (shown != ShownView::kPicture && options.flashes == "limit") {
+  if (views && options.flashes == "limit") {
     return fail(ErrorCode::kBadInput, "--flashes limit: is for pictures; remove it or --show {}", options.show);
   }
   for (const std::string& probe : options.probes) FL_TRY(parse_probe(probe));
@@ -484,7 +485,7 @@ Result<int> render_pictures(const Options& options) {
   const render::View view = render::view_of(camera);
   device->lose_from_environment();
   Job job(options, stop, timeline ? &*timeline : nullptr, *frame, view, exposure_ev,
-          render::json_of(frame->settings(), FOOTLIGHT_VERSION, chosen.error), std::move(videos));
+          with_style(render::json_of(frame->settings(), FOOTLIGHT_VERSION, chosen.error), style), std::move(videos));
 
   if (options.at_ns >= 0) {
     FL_TRY(job.take(options.at_ns, options.exposure_ns >= 0 ? options.exposure_ns : kStillExposureNs));
@@ -551,10 +552,9 @@ void add(Arguments& arguments) {
                    "[0.004]");
   arguments.option("--body-error", options->body_error_px, 0, 1000,
                    "error of fixture bodies in pixels, for fewer triangles; 0: whole models [0.5]");
-  arguments.option("--gobos", options->gobos, "WORD",
-                   "in the air: samples or tables; default: tables on a GPU, samples on a CPU");
+  arguments.option("--gobos", options->gobos, "WORD", "in the air: samples or tables; default: tables on a GPU");
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024,
-                   "samples per beam and pixel where gobos have no tables: a wide blur, too many gates [128]");
+                   "samples per beam and pixel where gobos have no tables: wide blurs, several images out of focus [128]");
   arguments.option("--gobo-px", options->gobo_px, 64, 2048,
                    "texels a side of gobo images, a power of two; default: 1024 on a GPU where they fit, else 512");
   arguments.option("--edges", options->edges, "WORD",

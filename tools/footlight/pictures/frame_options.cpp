@@ -45,10 +45,21 @@ Result<bool> parse_switch(const char* option, const std::string& text) {
 
 }  // namespace
 
-Result<render::PictureStyle> parse_style(const std::string& text) {
+Result<render::PictureStyle> parse_style(const std::string& text,
+                                         std::initializer_list<std::pair<const char*, bool>> units) {
   auto style = render::picture_style_of(text);
   if (!style) return fail(ErrorCode::kBadInput, "--style {}", printable_utf8(style.error().message));
+  for (const auto& [option, is_given] : units) {
+    if (!is_given || *style == render::PictureStyle::kPhysical) continue;
+    return fail(ErrorCode::kBadInput, "{} and --style {}: a style has neither units nor a stated error; leave out one",
+                option, text);
+  }
   return style;
+}
+
+std::string with_style(std::string settings, render::PictureStyle style) {
+  if (style != render::PictureStyle::kPhysical) settings.insert(1, fmt::format(R"("style":"{}",)", word_of(style)));
+  return settings;
 }
 
 Status take_shadows(const std::string& text, render::FrameSettings& settings) {

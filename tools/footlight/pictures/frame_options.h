@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "fixtures/model/rig.h"
 #include "render/rivals/picture_style.h"
@@ -21,8 +23,11 @@ inline constexpr const char* kShadowsHelp =
     "exact: cut at the edges of what hides light; maps or maps:N: by shadow maps of 64 or N texels a side, whose time "
     "grows little with the number of things; on: as suits the rig; off: beams pass through boxes and fixtures, what "
     "they reflect does not [on]";
-// "physical", "vrsl" or "card".
-[[nodiscard]] Result<render::PictureStyle> parse_style(const std::string& text);
+// "physical", "vrsl" or "card". The latter two fail if one of `units` is given: options that need units or an error.
+[[nodiscard]] Result<render::PictureStyle> parse_style(const std::string& text,
+                                                       std::initializer_list<std::pair<const char*, bool>> units = {});
+// The JSON object of render::json_of(), with the style if that is not physical.
+[[nodiscard]] std::string with_style(std::string settings, render::PictureStyle style);
 inline constexpr const char* kStyleHelp =
     "physical; vrsl: cones and spots by the formulas of VR Stage Lighting, without shadows; card: a flat fan of light "
     "for each beam; the latter two have no unit and no stated error [physical]";
