@@ -465,6 +465,15 @@ Result<RadianceImage> Frame::read_radiance() {
   return image;
 }
 
+Result<std::vector<float>> Frame::read_distances() {
+  std::vector<float> rgba(static_cast<std::size_t>(settings_.width) * static_cast<std::size_t>(settings_.height) * 4);
+  FL_TRY(read_image(resources_.picture.radiance, settings_.width, settings_.height, rgba.data(),
+                    rgba.size() * sizeof(float)));
+  std::vector<float> distances(rgba.size() / 4);
+  for (std::size_t i = 0; i < distances.size(); ++i) distances[i] = rgba[i * 4 + 3];
+  return distances;
+}
+
 Result<RadianceImage> Frame::read_seen() {
   FL_ASSIGN(const RadianceImage whole, read_radiance());
   const RadianceImage light = averaged(whole, settings_.supersample);

@@ -162,6 +162,8 @@ class Frame {
   }
 
   [[nodiscard]] Result<RadianceImage> read_radiance();
+  // From the camera to what each pixel shows, m, by rows; FL_FAR_M: nothing.
+  [[nodiscard]] Result<std::vector<float>> read_distances();
   // The light as the camera's lens leaves it: of the screen's pixels, with glare. What the tone map gets.
   [[nodiscard]] Result<RadianceImage> read_seen();
   [[nodiscard]] Result<ScreenImage> read_screen();
