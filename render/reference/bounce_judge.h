@@ -22,7 +22,8 @@ struct PathScene {
   RayHit hit = {};  // what paths meet instead of the boxes, and what emits nothing; empty: the boxes
 };
 
-// The boxes and the lamps of a judged scene, with their shadows, and what else stands there. The scene must live as long.
+// The boxes and the lamps of a judged scene, with their shadows, and what else stands there. The scene must live as
+// long.
 [[nodiscard]] PathScene path_scene(const JudgeScene& scene);
 
 struct PathOptions {

@@ -223,7 +223,8 @@ void add_displays(JudgeScene& scene, const fixtures::Rig& rig, const fixtures::C
 
 void join_display_lights(JudgeScene& scene, int most) {
   scene.display_lights.clear();
-  const double each = std::max(static_cast<double>(most) / std::max<double>(1, static_cast<double>(scene.displays.size())), 1.0);
+  const auto displays = std::max<double>(1, static_cast<double>(scene.displays.size()));
+  const double each = std::max(static_cast<double>(most) / displays, 1.0);
   for (const JudgeDisplay& display : scene.displays) {
     const double aspect = glm::length(display.right_m) / glm::length(display.up_m);
     JudgeDisplay joined = display;

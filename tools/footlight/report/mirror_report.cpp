@@ -43,8 +43,7 @@ Result<Drawn> draw_both(vk::Device& device, const Scene& scene, const View& view
   frame->set_puffs(scene.puffs);
   frame->step(scene.levels, 0);
   FL_TRY(frame->draw(view, scene.camera.exposure_ev));
-  FL_ASSIGN(drawn.with, frame->read_radiance());
-  FL_ASSIGN(drawn.distances_m, frame->read_distances());
+  FL_ASSIGN(drawn.with, frame->read_radiance(&drawn.distances_m));
   own.probes = false;
   FL_TRY(frame->change(own));
   FL_TRY(frame->draw(view, scene.camera.exposure_ev));
@@ -182,9 +181,9 @@ std::string text_of(const MirrorRow& row, std::int64_t pixels) {
   const std::string interval =
       row.judged < row.pixels ? fmt::format(" ({:.3f} to {:.3f})", row.rel_l2_low, row.rel_l2_high) : "";
   return fmt::format(
-      "Mirrored light of shiny surfaces, {:.1f} % of the pixels: rel_l2 {:.3f}{} at {} of them, against {} rays a place "
-      "in double, whose own error is {:.3f}. That is {:.3f} of all light there. The sum of the mirrored light is {:.2f} "
-      "times that of the rays. Maps of probes {:.3f} ms, reading them {:.3f} ms.\n\n",
+      "Mirrored light of shiny surfaces, {:.1f} % of the pixels: rel_l2 {:.3f}{} at {} of them, against {} rays a "
+      "place in double, whose own error is {:.3f}. That is {:.3f} of all light there. The sum of the mirrored light is "
+      "{:.2f} times that of the rays. Maps of probes {:.3f} ms, reading them {:.3f} ms.\n\n",
       100.0 * static_cast<double>(row.pixels) / static_cast<double>(pixels), row.rel_l2, interval, row.judged,
       kMirrorRays, row.own_rel_l2, row.picture_rel_l2, row.sum, row.probes_ms, row.reflections_ms);
 }

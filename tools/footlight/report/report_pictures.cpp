@@ -419,10 +419,9 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
                                                    : scene_of_files(files, arguments, aspect, air));
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
   PictureReportOptions picture_options = options_of(arguments, size, options);
-  picture_options.reflections = scene.compiled.needs.probes;
-  if (!arguments.reflections.empty()) {
-    FL_ASSIGN(picture_options.reflections, parse_switch("--reflections", arguments.reflections));
-  }
+  const char* reflections = scene.compiled.needs.probes ? "on" : "off";
+  FL_ASSIGN(picture_options.reflections,
+            parse_switch("--reflections", arguments.reflections.empty() ? reflections : arguments.reflections));
   picture_options.on_row = [&](const PictureReport& so_far) {
     const render::PictureRow& row = so_far.rows.back();
     if (options.json) {
@@ -457,7 +456,6 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
       options.print("\n" + text_of(*chosen));
     }
   }
-  const auto curves = render::curves_of(report.rows);
   if (options.json) {
     options.print(fmt::format(R"({{"event":"whole-frame","ms_p50":{:.4f}}})"
                               "\n",
@@ -489,7 +487,7 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
   if (!options.svg.empty()) {
     FL_TRY(write_report_file(options.svg, render::svg_plot({scene.name + ": beams", report.device,
                                                             "GPU time per frame, ms", "relative L2 error"},
-                                                           curves)));
+                                                           render::curves_of(report.rows))));
   }
   return {};
 }
