@@ -455,13 +455,14 @@ Status Frame::read_image(const vk::Image& image, int width, int height, void* ou
   return {};
 }
 
-Result<RadianceImage> Frame::read_radiance() {
+Result<RadianceImage> Frame::read_radiance(std::vector<float>* distances_m) {
   const std::size_t pixels = static_cast<std::size_t>(settings_.width) * static_cast<std::size_t>(settings_.height);
   std::vector<float> rgba(pixels * 4);
   FL_TRY(read_image(resources_.picture.radiance, settings_.width, settings_.height, rgba.data(),
                     rgba.size() * sizeof(float)));
   RadianceImage image{settings_.width, settings_.height, std::vector<float>(pixels * 3)};
   for (std::size_t i = 0; i < pixels; ++i) std::copy_n(&rgba[i * 4], 3, &image.rgb[i * 3]);
+  for (std::size_t i = 0; distances_m != nullptr && i < pixels; ++i) distances_m->push_back(rgba[i * 4 + 3]);
   return image;
 }
 

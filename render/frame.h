@@ -161,7 +161,8 @@ class Frame {
     return pending_count_ >= kStepsHeldMax || pending_bytes_ >= kStepBytesHeldMax;
   }
 
-  [[nodiscard]] Result<RadianceImage> read_radiance();
+  // distances_m, if not null, receives how far from the camera is what each pixel shows; FL_FAR_M: nothing.
+  [[nodiscard]] Result<RadianceImage> read_radiance(std::vector<float>* distances_m = nullptr);
   // The light as the camera's lens leaves it: of the screen's pixels, with glare. What the tone map gets.
   [[nodiscard]] Result<RadianceImage> read_seen();
   [[nodiscard]] Result<ScreenImage> read_screen();

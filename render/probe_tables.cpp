@@ -37,17 +37,33 @@ bool is_covered(const std::vector<SolidBox>& solids, const dvec3& at) {
   return std::any_of(solids.begin(), solids.end(), [&](const SolidBox& solid) { return is_inside(solid, at); });
 }
 
-// Moves the sides of the box to the inner faces of the stage boxes around it.
+// Moves the sides of the box to the inner faces of the stage boxes around it. A side without one is open, and goes to
+// where the others end: mirrored rays that leave there see nothing wherever it is, and those that do not still end at
+// the right wall.
 void reach_walls(const std::vector<fixtures::StageBox>& boxes, ReflectionProbe& probe) {
   const dvec3 low = probe.min_m, high = probe.max_m, middle = 0.5 * (low + high);
+  dvec3 far_low = low, far_high = high;
+  bool open_low[3] = {true, true, true}, open_high[3] = {true, true, true};
   for (const fixtures::StageBox& box : boxes) {
     const bool near = glm::all(glm::lessThan(box.min_m, high + kReachM)) &&
                       glm::all(glm::greaterThan(box.max_m, low - kReachM));
     if (!near) continue;
     for (int axis = 0; axis < 3; ++axis) {
-      if (box.max_m[axis] <= middle[axis]) probe.min_m[axis] = std::min(probe.min_m[axis], box.max_m[axis]);
-      if (box.min_m[axis] >= middle[axis]) probe.max_m[axis] = std::max(probe.max_m[axis], box.min_m[axis]);
+      if (box.max_m[axis] <= middle[axis]) {
+        probe.min_m[axis] = std::min(probe.min_m[axis], box.max_m[axis]);
+        open_low[axis] = open_low[axis] && box.max_m[axis] > low[axis] + kLampM;
+      }
+      if (box.min_m[axis] >= middle[axis]) {
+        probe.max_m[axis] = std::max(probe.max_m[axis], box.min_m[axis]);
+        open_high[axis] = open_high[axis] && box.min_m[axis] < high[axis] - kLampM;
+      }
+      far_low[axis] = std::min(far_low[axis], std::max(box.min_m[axis], low[axis] - kReachM[axis]));
+      far_high[axis] = std::max(far_high[axis], std::min(box.max_m[axis], high[axis] + kReachM[axis]));
     }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (open_low[axis]) probe.min_m[axis] = far_low[axis];
+    if (open_high[axis]) probe.max_m[axis] = far_high[axis];
   }
 }
 

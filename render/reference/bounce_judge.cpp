@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -16,14 +17,21 @@ namespace {
 
 using glm::dvec3;
 
+constexpr std::size_t kNoBox = static_cast<std::size_t>(-1);
 struct PathHit {
-  std::size_t box = 0;
+  std::size_t box = kNoBox;
   dvec3 point_m{0};
   dvec3 normal{0};
+  dvec3 albedo{0};
 };
 
 // The nearest box that a ray enters: the first of its three near faces whose place is within the face.
 std::optional<PathHit> path_hit(const PathScene& scene, const dvec3& from, const dvec3& way) {
+  if (scene.hit) {
+    const std::optional<SurfaceHit> other = scene.hit({from, way});
+    if (!other) return {};
+    return PathHit{kNoBox, from + other->t_m * way, other->normal, other->albedo};
+  }
   double nearest = std::numeric_limits<double>::infinity();
   std::optional<PathHit> hit;
   for (std::size_t b = 0; b < scene.boxes.size(); ++b) {
@@ -40,7 +48,7 @@ std::optional<PathHit> path_hit(const PathScene& scene, const dvec3& from, const
         continue;
       }
       nearest = t;
-      hit = PathHit{b, point, dvec3(0)};
+      hit = PathHit{b, point, dvec3(0), box.albedo};
       hit->normal[axis] = way[axis] > 0 ? -1 : 1;
     }
   }
@@ -61,11 +69,16 @@ dvec3 direction_of(const dvec3& normal, double x, double y) {
 PathScene path_scene(const JudgeScene& scene) {
   PathScene paths;
   paths.boxes = scene.boxes;
+  if (scene.others) paths.hit = [&scene](const Ray& ray) { return judge_hit(scene, ray); };
   paths.direct_lx = [&scene](const dvec3& point_m, const dvec3& normal) {
     dvec3 lx(0);
     for (const JudgeBeam& beam : scene.beams) {
-      const double share = judge_illuminance(beam, scene.haze, point_m, normal, scene.gobo);
-      if (!(share > 0)) continue;
+      dvec3 share(judge_illuminance(beam, scene.haze, point_m, normal, scene.gobo));
+      for (int c = 0; scene.colors && c < 3; ++c) {
+        const GoboTransmission through = [&](int gobo, double x, double y) { return scene.colors(gobo, x, y)[c]; };
+        share[c] = judge_illuminance(beam, scene.haze, point_m, normal, through);
+      }
+      if (!(share.x + share.y + share.z > 0)) continue;
       const bool hidden = std::any_of(scene.solids.begin(), scene.solids.end(),
                                       [&](const JudgeSolid& solid) { return judge_hides(beam, solid, point_m); });
       if (!hidden) lx += share * beam.strength_lm;
@@ -89,14 +102,22 @@ dvec3 judge_bounced(const PathScene& scene, const dvec3& point_m, const dvec3& n
       }
       const std::optional<PathHit> hit = path_hit(scene, from, direction_of(facing, x, y));
       if (!hit) break;
-      if (!scene.emitted.empty()) sum += through * scene.emitted[hit->box];
-      through *= scene.boxes[hit->box].albedo;
+      if (!scene.emitted.empty() && hit->box != kNoBox) sum += through * scene.emitted[hit->box];
+      through *= hit->albedo;
       if (scene.direct_lx) sum += through * scene.direct_lx(hit->point_m, hit->normal);
       from = hit->point_m;
       facing = hit->normal;
     }
   }
   return sum / static_cast<double>(options.side * options.side);
+}
+
+BouncedLux bounced_lx_of(const PathScene& scene, int bounces) {
+  return [&scene, bounces](const dvec3& point_m, const dvec3& normal, int side) {
+    std::uint64_t seed = 1;
+    for (int c = 0; c < 3; ++c) seed = mixed_bits(seed + std::bit_cast<std::uint64_t>(point_m[c]));
+    return judge_bounced(scene, point_m, normal, {.side = side, .bounces = bounces, .seed = seed});
+  };
 }
 
 std::vector<double> judge_reflected(const PathScene& scene, const fixtures::Haze& haze, const View& view, int width,
@@ -115,7 +136,7 @@ std::vector<double> judge_reflected(const PathScene& scene, const fixtures::Haze
         const dvec3 lx = judge_bounced(scene, hit->point_m, hit->normal, own);
         const double through =
             std::exp(-(haze.scattering_per_m + haze.absorption_per_m) * glm::distance(ray.origin_m, hit->point_m));
-        const dvec3 seen = through / std::numbers::pi * scene.boxes[hit->box].albedo * lx;
+        const dvec3 seen = through / std::numbers::pi * hit->albedo * lx;
         for (int c = 0; c < 3; ++c) rgb[static_cast<std::size_t>(3 * pixel + c)] = seen[c];
       }
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <boost/math/quadrature/gauss.hpp>
@@ -173,6 +174,10 @@ glm::dvec3 air_of(const JudgeScene& scene, const JudgeDisplay& display, const Ra
   return sum;
 }
 
+const std::vector<JudgeDisplay>& lights_of(const JudgeScene& scene) {
+  return scene.display_lights.empty() ? scene.displays : scene.display_lights;
+}
+
 }  // namespace
 
 void add_displays(JudgeScene& scene, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
@@ -216,6 +221,35 @@ void add_displays(JudgeScene& scene, const fixtures::Rig& rig, const fixtures::C
   }
 }
 
+void join_display_lights(JudgeScene& scene, int most) {
+  scene.display_lights.clear();
+  const auto displays = std::max<double>(1, static_cast<double>(scene.displays.size()));
+  const double each = std::max(static_cast<double>(most) / displays, 1.0);
+  for (const JudgeDisplay& display : scene.displays) {
+    const double aspect = glm::length(display.right_m) / glm::length(display.up_m);
+    JudgeDisplay joined = display;
+    joined.columns = std::clamp(static_cast<int>(std::lround(std::sqrt(each * aspect))), 1, display.columns);
+    joined.rows = std::clamp(static_cast<int>(each / joined.columns), 1, display.rows);
+    joined.pixels_cd_m2.assign(static_cast<std::size_t>(joined.columns) * static_cast<std::size_t>(joined.rows), {});
+    // Share of the old pixel `from` that is within the new one `to`, of so many.
+    const auto overlap = [](int from, int old_count, int to, int count) {
+      const double size = static_cast<double>(old_count) / count;
+      return std::max(std::min(from + 1.0, (to + 1) * size) - std::max<double>(from, to * size), 0.0) / size;
+    };
+    for (int y = 0; y < display.rows * joined.rows; ++y) {
+      const double tall = overlap(y / joined.rows, display.rows, y % joined.rows, joined.rows);
+      for (int x = 0; tall > 0 && x < display.columns * joined.columns; ++x) {
+        const double share = tall * overlap(x / joined.columns, display.columns, x % joined.columns, joined.columns);
+        if (!(share > 0)) continue;
+        joined.pixels_cd_m2[static_cast<std::size_t>(y % joined.rows * joined.columns + x % joined.columns)] +=
+            share * display.pixels_cd_m2[static_cast<std::size_t>(y / joined.rows * display.columns +
+                                                                  x / joined.columns)];
+      }
+    }
+    scene.display_lights.push_back(std::move(joined));
+  }
+}
+
 glm::dvec3 judge_displays(const JudgeScene& scene, const Ray& ray, double t_max_m) {
   glm::dvec3 total(0);
   for (const JudgeDisplay& display : scene.displays) {
@@ -233,16 +267,17 @@ glm::dvec3 judge_displays(const JudgeScene& scene, const Ray& ray, double t_max_
                  std::exp(-lost_per_m(scene.haze) * t_m);
       }
     }
-    if (scene.haze.scattering_per_m > 0) {
-      total += scene.haze.scattering_per_m * air_of(scene, display, ray, t_max_m);
-    }
+  }
+  for (const JudgeDisplay& display : lights_of(scene)) {
+    if (!(scene.haze.scattering_per_m > 0)) break;
+    total += scene.haze.scattering_per_m * air_of(scene, display, ray, t_max_m);
   }
   return total;
 }
 
 glm::dvec3 judge_display_lux(const JudgeScene& scene, const glm::dvec3& point_m, const glm::dvec3& normal) {
   glm::dvec3 total(0);
-  for (const JudgeDisplay& display : scene.displays) {
+  for (const JudgeDisplay& display : lights_of(scene)) {
     const glm::dvec3 front = front_of(display);
     if (!(glm::dot(front, point_m - display.center_m) > 0)) continue;
     // Where the horizon of the surface goes through a rectangle.

@@ -18,6 +18,10 @@ namespace footlight::render {
 void add_displays(JudgeScene& scene, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
                   std::span<const std::uint8_t> levels);
 
+// Makes display_lights: the displays with fewer and larger pixels, about `most` of all together, so that rays that meet
+// them by the thousand take less time.
+void join_display_lights(JudgeScene& scene, int most);
+
 // Light of displays in the air along a ray up to t_max_m, which may be infinite, and of a pixel that the ray meets
 // before, cd/m^2.
 [[nodiscard]] glm::dvec3 judge_displays(const JudgeScene& scene, const Ray& ray, double t_max_m);

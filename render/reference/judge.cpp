@@ -23,6 +23,7 @@
 #include "render/reference/probe_judge.h"
 #include "render/reference/shaft_judge.h"
 #include "render/reference/wide.h"
+#include "render/sheen_rays.h"
 #include "sim/core/check.h"
 #include "sim/shared/shared.h"
 
@@ -483,6 +484,35 @@ glm::dvec3 sheen_share(const SurfaceHit& hit, const JudgeBeam& beam, const glm::
   return f64::sheen_reflected(sheen, beam.lens_radius_m / at.distance_m, hit.normal, -ray, -at.direction);
 }
 
+glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, int refinement, double* hits);
+
+// What a surface with sheen mirrors of the stage, less what it shows of the same light as even light, `even_lx`.
+glm::dvec3 mirrored(const JudgeScene& scene, const SurfaceHit& hit, const glm::dvec3& point_m, const Ray& ray,
+                    const glm::dvec3& even_lx, double tolerance, int refinement) {
+  constexpr int kShareRays = 256;
+  // What these rays meet mirrors nothing, as in a probe.
+  JudgeScene seen = scene;
+  seen.sheen_rays = 0;
+  seen.matt = true;
+  seen.bounced_side = 1;
+  double others = 0;
+  const auto light_from = [&](const glm::dvec3& direction) {
+    return radiance(seen, {point_m, direction}, tolerance, refinement, &others);
+  };
+  const double rough = std::max(hit.sheen->roughness, static_cast<double>(f64::kSheenRoughnessLeast));
+  const double cosine = std::max(-glm::dot(hit.normal, ray.direction), 0.0);
+  const glm::dvec2 shares = sheen_shares(rough * rough, cosine, kShareRays);
+  const double shown = glm::mix(static_cast<double>(f64::kSheenDielectric) * shares.x + shares.y, 1.0,
+                                hit.sheen->metal);
+  return judge_mirrored(*hit.sheen, hit.albedo, hit.normal, ray.direction, scene.sheen_rays, light_from) -
+         shown * hit.albedo / std::numbers::pi * even_lx;
+}
+
+// Share of even light on what has triangles (work_light() of render/shaders/lib/surface_light.glsl).
+double even_form(const glm::dvec3& normal, const glm::dvec3& way) {
+  return 0.3 + 0.3 * (0.5 + 0.5 * normal.z) + 0.4 * std::max(-glm::dot(normal, way), 0.0);
+}
+
 glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, int refinement, double* hits) {
   glm::dvec3 total(0);
   const std::optional<SurfaceHit> hit = judge_hit(scene, ray);
@@ -510,18 +540,19 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
   total += judge_displays(scene, ray, hit ? hit->t_m : std::numeric_limits<double>::infinity());
   if (hit) {
     const glm::dvec3 point_m = ray.origin_m + hit->t_m * ray.direction;
-    glm::dvec3 lux(scene.ambient_lx);
+    glm::dvec3 even_lx(scene.ambient_lx * (hit->shaped ? even_form(hit->normal, ray.direction) : 1));
+    if (scene.bounced_lx) even_lx += scene.bounced_lx(point_m, hit->normal, scene.bounced_side);
+    glm::dvec3 lux = even_lx;
     glm::dvec3 of_sheen(0);
     for (const JudgeBeam& beam : scene.beams) {
+      const glm::dvec3 open = in_colors(beam, [&](const GoboTransmission& gobo) {
+        return judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
+      });
+      if (!(open.x + open.y + open.z > 0)) continue;
       const double lit = judge_lit(beam, scene.lens, scene.solids, point_m);
       if (!(lit > 0)) continue;
-      const glm::dvec3 beam_lux =
-          in_colors(beam,
-                    [&](const GoboTransmission& gobo) {
-                      return lit * judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
-                    }) *
-          beam.strength_lm;
-      if (hit->sheen && glm::length(beam_lux) > 0) {
+      const glm::dvec3 beam_lux = lit * open * beam.strength_lm;
+      if (hit->sheen) {
         of_sheen += beam_lux * sheen_share(*hit, beam, point_m, ray.direction);
       } else {
         lux += beam_lux;
@@ -531,15 +562,7 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     lux += judge_display_lux(scene, point_m, hit->normal);
     glm::dvec3 light = hit->albedo * lux / std::numbers::pi + of_sheen;
     if (hit->sheen && scene.sheen_rays > 0) {
-      // What these rays meet mirrors nothing, as in a probe.
-      JudgeScene seen = scene;
-      seen.sheen_rays = 0;
-      for (fixtures::StageBox& box : seen.boxes) box.sheen.reset();
-      double others = 0;
-      light += judge_mirrored(*hit->sheen, hit->albedo, hit->normal, ray.direction, scene.sheen_rays,
-                              [&](const glm::dvec3& direction) {
-                                return radiance(seen, {point_m, direction}, tolerance, refinement, &others);
-                              });
+      light += mirrored(scene, *hit, point_m, ray, even_lx, tolerance, refinement);
     }
     if (const fixtures::GlossTop* gloss = hit->normal.z > 0 ? gloss_at(scene, point_m) : nullptr; gloss != nullptr) {
       const double share = gloss_share(gloss->gloss, -ray.direction.z);
@@ -946,7 +969,7 @@ bool judge_hides_from(const glm::dvec3& lens_m, const JudgeSolid& solid, const g
     enter = std::max(enter, std::min(first, last));
     leave = std::min(leave, std::max(first, last));
   }
-  return leave >= enter && (1 - enter) * glm::length(path) > 1e-6;
+  return leave >= enter && (1 - enter) * glm::length(path) > solid.slack_m;
 }
 
 double judge_illuminance(const JudgeBeam& beam, const fixtures::Haze& haze, const glm::dvec3& point_m,
@@ -994,6 +1017,11 @@ std::optional<SurfaceHit> judge_hit(const JudgeScene& scene, const Ray& ray) {
     hit.sheen = box.sheen && !box.sheen->matt() ? box.sheen : std::nullopt;
     nearest = hit;
   }
+  if (scene.others) {
+    const std::optional<SurfaceHit> other = scene.others(ray);
+    if (other && (!nearest || other->t_m < nearest->t_m)) nearest = other;
+  }
+  if (nearest && scene.matt) nearest->sheen.reset();
   return nearest;
 }
 

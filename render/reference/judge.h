@@ -74,6 +74,7 @@ struct JudgeBeam {
 struct JudgeSolid {
   glm::dvec3 center_m{0};
   glm::dvec3 half_m[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  double slack_m = 1e-6;  // it hides nothing of what is so little behind where light enters it
 };
 
 // A pane of glass that the sun shines through.
@@ -101,6 +102,23 @@ struct JudgeDisplay {
   std::vector<glm::dvec3> pixels_cd_m2{glm::dvec3(1)};  // rows from the top
 };
 
+struct Ray {
+  glm::dvec3 origin_m{0};
+  glm::dvec3 direction{0, 0, 1};  // unit
+};
+
+struct SurfaceHit {
+  double t_m = 0;
+  glm::dvec3 normal{0};
+  glm::dvec3 albedo{0};
+  std::optional<fixtures::Sheen> sheen;  // null: matt
+  bool shaped = false;                   // even light shows its form, as that of everything but boxes
+};
+using RayHit = std::function<std::optional<SurfaceHit>(const Ray& ray)>;
+
+// Illuminance at a point by what surfaces reflect, by side x side paths (bounce_judge.h).
+using BouncedLux = std::function<glm::dvec3(const glm::dvec3& point_m, const glm::dvec3& normal, int side)>;
+
 // Density of haze at a place on the stage, over that of even haze.
 using HazeDensity = std::function<double(const glm::dvec3& place_m)>;
 
@@ -110,12 +128,17 @@ struct JudgeScene {
   std::vector<glm::dvec2> lens;    // points of the unit disc from which light is hidden, each with an equal share of
                                    // the lens (judge_lens()); empty: shadows are those of the model, with hard edges
   std::vector<fixtures::StageBox> boxes;
+  RayHit others;  // what else stands on the stage (judge_mesh.h); empty: nothing
   JudgeSun sun;
   std::vector<JudgePane> panes;
   std::vector<JudgeDisplay> displays;
+  std::vector<JudgeDisplay> display_lights;  // what shines into the air and on surfaces instead; empty: the displays
   std::vector<fixtures::GlossTop> glosses;  // of boxes: tops that mirror (gloss_judge.h)
   int gloss_rays = 256;                     // that a rough one sends
   int sheen_rays = 0;  // that a surface with sheen sends for what it mirrors (probe_judge.h); 0: it mirrors nothing
+  bool matt = false;     // nothing has a sheen
+  BouncedLux bounced_lx;  // empty: surfaces reflect no light to others
+  int bounced_side = 8;   // of its paths
   fixtures::Haze haze;
   HazeDensity density;          // empty: haze is even
   bool even_extinction = true;  // light is lost as in even haze; false: to the density on its way, 1000 times slower;
@@ -141,11 +164,6 @@ struct JudgeScene {
 // The same over a rectangle as wide as the lens diameter, with that width over `aspect` as its height.
 [[nodiscard]] double judge_rectangle_factor(double spread, double profile_power, double aspect, double shown = 1);
 
-struct Ray {
-  glm::dvec3 origin_m{0};
-  glm::dvec3 direction{0, 0, 1};  // unit
-};
-
 // In-scattered light of one beam along a ray from t_min_m to t_max_m (may be infinite), over sigma_s J0, in 1/m.
 // Extinction counts from the lens to the air and back to t = 0. Input that is not finite gives 0. lens: as in
 // JudgeScene.
@@ -154,7 +172,7 @@ struct Ray {
                                      std::span<const JudgeSolid> solids = {}, std::span<const glm::dvec2> lens = {});
 
 // Whether a solid hides the light of a beam at a point of the beam: the path from the lens to there enters the solid
-// more than a micrometre before its end.
+// more than its slack before its end.
 [[nodiscard]] bool judge_hides(const JudgeBeam& beam, const JudgeSolid& solid, const glm::dvec3& point_m);
 // The same of light that goes straight from a place on the lens.
 [[nodiscard]] bool judge_hides_from(const glm::dvec3& lens_m, const JudgeSolid& solid, const glm::dvec3& point_m);
@@ -169,14 +187,7 @@ struct Ray {
 [[nodiscard]] double judge_illuminance(const JudgeBeam& beam, const fixtures::Haze& haze, const glm::dvec3& point_m,
                                        const glm::dvec3& normal, const GoboTransmission& gobo);
 
-struct SurfaceHit {
-  double t_m = 0;
-  glm::dvec3 normal{0};
-  glm::dvec3 albedo{0};
-  std::optional<fixtures::Sheen> sheen;  // null: matt
-};
-
-// Returns the nearest box that the ray enters from outside.
+// Returns the nearest box that the ray enters from outside, or what else it meets before.
 [[nodiscard]] std::optional<SurfaceHit> judge_hit(const JudgeScene& scene, const Ray& ray);
 
 // Radiance along a ray, cd/m^2 per channel.

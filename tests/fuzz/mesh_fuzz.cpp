@@ -14,6 +14,9 @@ using footlight::testing::require;
 
 void footlight::testing::add_seeds(Seeds& seeds) {
   seeds.add("box.3ds", box_3ds(100, 200, 300));
+  const auto turned = chunk(0xA351, u16_text(2)) + chunk(0xA356, f32_text(2)) + chunk(0xA35C, f32_text(30));
+  seeds.add("print.3ds", quad_3ds(texture_3ds("PRINT.PNG", turned)));
+  seeds.add("missing.3ds", quad_3ds(texture_3ds("none.png") + texture_3ds("print.png"), {0, 0, 1, 0}));
   seeds.add("box.glb", box_glb(1, 2, 3));
   seeds.add("mirrored.glb", box_glb(1, 2, 3, R"("scale":[-1,1,1])"));
   TexturedQuad quad;
@@ -34,8 +37,14 @@ void footlight::testing::add_seeds(Seeds& seeds) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fixtures::Diagnostics diagnostics;
+  // A name with a "p" is that of an image.
+  static const auto png = fixtures::png_of(2, 1, 3, std::vector<std::uint8_t>{0, 1, 2, 100, 200, 255});
+  const fixtures::MeshFile beside = [](const std::string& named) -> Result<fixtures::Bytes> {
+    if (named.find_first_of("pP") == std::string::npos) return fail(ErrorCode::kNotFound, "not there");
+    return fixtures::Bytes(png.begin(), png.end());
+  };
   const auto mesh = fixtures::read_mesh(std::as_bytes(std::span<const std::uint8_t>(data, size)), "fuzz", diagnostics,
-                                        nullptr, fixtures::MeshImages::kBaseColor);
+                                        nullptr, fixtures::MeshImages::kBaseColor, beside);
   if (!mesh) {
     require(mesh.error().message.starts_with("fuzz"));
     return 0;

@@ -387,6 +387,19 @@ TEST_CASE("a rig with a shiny floor has a probe of its own, out to its floor and
     CHECK(glm::all(glm::lessThan(own[0].min_m, lamp.position_m)));
     CHECK(glm::all(glm::lessThan(lamp.position_m, own[0].max_m)));
   }
+  // Without walls at the sides and in front it ends where floor and wall do, at most 10 m from the lamps.
+  double left = 1e9, right = -1e9;
+  for (const fixtures::PatchedFixture& lamp : scene.rig.fixtures) {
+    left = std::min(left, lamp.position_m.x - 0.5);
+    right = std::max(right, lamp.position_m.x + 0.5);
+  }
+  double low_x = 1e9, high_x = -1e9;
+  for (const fixtures::StageBox& box : scene.rig.boxes) {
+    low_x = std::min(low_x, box.min_m.x);
+    high_x = std::max(high_x, box.max_m.x);
+  }
+  CHECK(own[0].min_m.x == std::max(low_x, left - 10));
+  CHECK(own[0].max_m.x == std::min(high_x, right + 10));
   // Where its middle is inside something it stands above that.
   const glm::dvec3 middle = *own[0].position_m;
   scene.rig.boxes.push_back({"tower", {middle.x - 1, middle.y - 1, 0}, {middle.x + 1, middle.y + 1, middle.z + 0.5}});

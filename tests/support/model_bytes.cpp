@@ -39,7 +39,7 @@ std::string chunk(std::uint16_t id, std::string_view content) {
 }
 
 std::string file_3ds(const std::vector<float>& points_xyz, const std::vector<std::uint16_t>& corners,
-                     const std::uint8_t (&color)[3]) {
+                     const std::uint8_t (&color)[3], const std::string& more, const std::vector<float>& uvs) {
   const auto faces = static_cast<std::uint16_t>(corners.size() / 3);
   std::string points = u16_text(static_cast<std::uint16_t>(points_xyz.size() / 3));
   for (const float value : points_xyz) points += f32_text(value);
@@ -52,10 +52,21 @@ std::string file_3ds(const std::vector<float>& points_xyz, const std::vector<std
   }
   list += chunk(0x4130, painted);
   const std::string rgb{static_cast<char>(color[0]), static_cast<char>(color[1]), static_cast<char>(color[2])};
-  const std::string material = chunk(0xA000, std::string("paint") + '\0') + chunk(0xA020, chunk(0x0011, rgb));
-  const std::string mesh = chunk(0x4100, chunk(0x4110, points) + chunk(0x4120, list));
+  const std::string material = chunk(0xA000, std::string("paint") + '\0') + chunk(0xA020, chunk(0x0011, rgb)) + more;
+  std::string places = u16_text(static_cast<std::uint16_t>(uvs.size() / 2));
+  for (const float value : uvs) places += f32_text(value);
+  if (!uvs.empty()) list = chunk(0x4120, list) + chunk(0x4140, places);
+  const std::string mesh = chunk(0x4100, chunk(0x4110, points) + (uvs.empty() ? chunk(0x4120, list) : list));
   return chunk(0x4D4D, chunk(0x0002, "\3\0\0\0") +
                            chunk(0x3D3D, chunk(0x4000, std::string("box") + '\0' + mesh) + chunk(0xAFFF, material)));
+}
+
+std::string texture_3ds(const std::string& file, const std::string& chunks) {
+  return chunk(0xA200, chunk(0x0030, u16_text(100)) + chunk(0xA300, file + '\0') + chunks);
+}
+
+std::string quad_3ds(const std::string& texture, const std::vector<float>& uvs) {
+  return file_3ds({0, 0, 0, 1000, 0, 0, 1000, 0, 1000, 0, 0, 1000}, {0, 1, 2, 0, 2, 3}, {255, 0, 128}, texture, uvs);
 }
 
 std::string box_3ds(float x, float y, float z) {

@@ -20,8 +20,15 @@ using fixtures::Bytes;
 [[nodiscard]] std::string u16_text(std::uint16_t value);
 [[nodiscard]] std::string f32_text(float value);
 // A 3DS file with one object of these points and faces; all faces in material "paint" of this byte colour.
+// material: further chunks of it; uvs: places of the points in its texture.
 [[nodiscard]] std::string file_3ds(const std::vector<float>& points_xyz, const std::vector<std::uint16_t>& corners,
-                                   const std::uint8_t (&color)[3]);
+                                   const std::uint8_t (&color)[3], const std::string& material = {},
+                                   const std::vector<float>& uvs = {});
+// The chunk of a texture with this file name.
+[[nodiscard]] std::string texture_3ds(const std::string& file, const std::string& chunks = {});
+// An upright square of 1 m that faces -y, with a texture whose lower left corner is at its lower left one.
+[[nodiscard]] std::string quad_3ds(const std::string& texture,
+                                   const std::vector<float>& uvs = {0, 0, 1, 0, 1, 1, 0, 1});
 // A box of this size in units, from the origin, faces outwards.
 [[nodiscard]] std::string box_3ds(float x, float y, float z);
 

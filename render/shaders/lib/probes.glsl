@@ -42,12 +42,14 @@ vec3 probe_seen(uint probe, vec3 toward, float alpha) {
 vec3 probes_mirrored(Sheen sheen, float metal, vec3 normal, vec3 offset_m, out float even) {
   vec3 to_eye = -normalize(offset_m);
   vec3 place = params.position.xyz + offset_m;
-  vec3 seen = vec3(0.0);
-  float weights = 0.0;
+  vec3 straight = vec3(0.0);  // light of what goes straight back, and of what Schlick's term adds
+  vec3 added = vec3(0.0);
+  vec2 weights = vec2(0.0);
   float covered = 0.0;
   for (uint k = 0u; k < kProbeFacets; ++k) {
     ProbeFacet facet = probe_facet(k, sheen.alpha, normal, to_eye);
-    weights += facet.share;
+    vec2 parts = facet.share * vec2(1.0 - facet.fresnel, facet.fresnel);
+    weights += parts;
     float left = 1.0;
     for (uint i = 0u; i < params.probe_count && left > 0.0 && facet.share > 0.0; ++i) {
       ProbeRow probe = probes[i];
@@ -56,12 +58,13 @@ vec3 probes_mirrored(Sheen sheen, float metal, vec3 normal, vec3 offset_m, out f
       left -= weight;
       vec3 toward = probe_toward(place, facet.way, probe.low.xyz, probe.high.xyz, probe.center.xyz);
       if (!(dot(toward, toward) > 1e-12)) toward = facet.way;
-      seen += facet.share * weight * probe_seen(i, toward, facet.alpha);
+      vec3 seen = weight * probe_seen(i, toward, facet.alpha);
+      straight += parts.x * seen;
+      added += parts.y * seen;
     }
     covered = max(covered, 1.0 - left);
   }
-  seen /= max(weights, 1e-9);
   vec2 shares = probe_shares(sheen.alpha, max(dot(normal, to_eye), 0.0));
   even = 1.0 - covered * mix(kSheenDielectric * shares.x + shares.y, 1.0, metal);
-  return (sheen.straight * shares.x + shares.y) * seen;
+  return sheen.straight * shares.x * straight / max(weights.x, 1e-9) + shares.y * added / max(weights.y, 1e-9);
 }

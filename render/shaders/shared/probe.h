@@ -109,6 +109,7 @@ struct ProbeFacet {
   Vec3 way;    // into which it mirrors the eye
   Real share;  // how much of it the eye sees and the light reaches; 0: it mirrors into the surface
   Real alpha;  // of those across
+  Real fresnel;  // Schlick's share at their angle: at a slant it is several times as large for those that mirror far
 };
 FL_FN ProbeFacet probe_facet(uint k, Real alpha, Vec3 normal, Vec3 to_eye) {
   ProbeFacet facet;
@@ -119,6 +120,8 @@ FL_FN ProbeFacet probe_facet(uint k, Real alpha, Vec3 normal, Vec3 to_eye) {
   Real slope = alpha * q * inversesqrt(Real(1) - q * q);
   Vec3 up = normalize(normal + along * (slope / across));
   Real seen = max(dot(to_eye, up), Real(0));
+  Real past = max(Real(1) - seen, Real(0));
+  facet.fresnel = past * past * past * past * past;
   facet.way = up * (Real(2) * seen) - to_eye;
   Real lit = max(dot(normal, facet.way), Real(0));
   Real square = alpha * alpha;

@@ -359,6 +359,8 @@ TEST_CASE("report refuses a rig without levels, and measures it with --lit") {
     CHECK(row["flip"].is_null());
     CHECK(contains(lit.out, "\"whole-frame\""));
     CHECK(contains(lit.out, "\"need\":\"blades\""));
+    CHECK(!contains(lit.out, "\"mirrored\""));  // nothing is shiny
+    CHECK(contains(lit.out, "\"pass\":\"probes\""));
   }
 }
 
@@ -380,6 +382,50 @@ TEST_CASE("report measures a rig with a floor that mirrors, in the picture and o
     const auto row = nlohmann::json::parse(lit.out.substr(0, lit.out.find('\n')));
     CHECK(row["rel_l2"].get<double>() < 1e-2);  // without what the floor mirrors, as the judge
   }
+}
+
+TEST_CASE("report has the error of what a shiny floor mirrors, and lists probes as left out by no rig that has them") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  std::ofstream(folder.file("rig.toml"))
+      << kOnePar << "material = \"lacquer\"\n[[box]]\nname = \"wall\"\nmin = [-3, 3, 0]\nmax = [3, 3.2, 4]\n"
+      << "[[fixture]]\nname = \"Spot\"\ntype = \"generic/par\"\nuniverse = 3\naddress = 101\nposition = [0, 0, 4]\n"
+      << "aim = [0.5, 3, 1]\n" << kFrontCamera;
+  const auto report = [&](std::vector<std::string> more) {
+    std::vector<std::string> words = {"report", folder.file("rig.toml"), "--lit",          "--pictures", "--quick",
+                                      "--runs", "3",                     "--row-seconds",  "0",          "--size",
+                                      "48x27",  "--json",                "--judge-pixels", "100"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome done = Footlight(words, kNoLeaks).wait();
+    INFO(done.err);
+    REQUIRE(done.exit_code == 0);
+    CHECK(!contains(done.out, "\"pass\":\"probes\""));
+    CHECK(!contains(done.out, "\"pass\":\"bounce\""));
+    CHECK(!contains(done.out, "\"need\":\"sheen\""));
+    return done.out;
+  };
+  const auto row_in = [](const std::string& out) {
+    const std::size_t at = out.find("{\"event\":\"mirrored\"");
+    REQUIRE(at != std::string::npos);
+    return nlohmann::json::parse(out.substr(at, out.find('\n', at) - at));
+  };
+  auto row = row_in(report({}));
+  CHECK(row["pixels"].get<int>() > 100);
+  CHECK(row["judged"].get<int>() <= row["pixels"].get<int>());
+  CHECK(row["rel_l2"].get<double>() > 0.02);
+  CHECK(row["rel_l2"].get<double>() < 0.35);
+  CHECK(row["rel_l2_low"].get<double>() <= row["rel_l2"].get<double>());
+  CHECK(row["rel_l2_high"].get<double>() >= row["rel_l2"].get<double>());
+  CHECK(row["own_rel_l2"].get<double>() < 0.1);
+  CHECK(row["picture_rel_l2"].get<double>() < row["rel_l2"].get<double>());
+  CHECK(std::abs(row["sum"].get<double>() - 1) < 0.2);
+  CHECK(row["probes_ms"].get<double>() > 0);
+  CHECK(row["reflections_ms"].get<double>() > 0);
+  auto again = row_in(report({}));
+  for (const char* time : {"probes_ms", "reflections_ms"}) row[time] = again[time] = 0;
+  CHECK(row == again);
+  CHECK(!contains(report({"--reflections", "off"}), "\"mirrored\""));
 }
 
 }  // namespace

@@ -35,15 +35,11 @@ Result<std::uint32_t> parse_edges(const std::string& text) {
   return fail(ErrorCode::kBadInput, "--edges {}: expected off, 4, 8 or 16", printable_utf8(text));
 }
 
-namespace {
-
 Result<bool> parse_switch(const char* option, const std::string& text) {
   if (text == "on") return true;
   if (text == "off") return false;
   return fail(ErrorCode::kBadInput, "{} {}: expected on or off", option, printable_utf8(text));
 }
-
-}  // namespace
 
 Result<render::PictureStyle> parse_style(const std::string& text,
                                          std::initializer_list<std::pair<const char*, bool>> units) {

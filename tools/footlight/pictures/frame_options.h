@@ -15,6 +15,8 @@
 
 namespace footlight::tools {
 
+// true of "on", false of "off". option: as the command line has it.
+[[nodiscard]] Result<bool> parse_switch(const char* option, const std::string& text);
 // FrameSettings::edge_samples of "off", "4", "8" or "16".
 [[nodiscard]] Result<std::uint32_t> parse_edges(const std::string& text);
 // FrameSettings::shadows and shadow_map_px of "on", "off", "exact", "maps" or "maps:N".

@@ -7,14 +7,11 @@
 #include <memory>
 #include <utility>
 
-#include "fixtures/gobos/gobo.h"
-#include "fixtures/gobos/gobo_images.h"
-#include "fixtures/simulate/walker.h"
 #include "render/pass.h"
 #include "render/reference/norms.h"
 #include "render/reference/pixel_sample.h"
-#include "render/reference/plume_judge.h"
 #include "render/rivals/rivals.h"
+#include "tools/footlight/report/judged_scene.h"
 
 namespace footlight::tools {
 
@@ -33,64 +30,6 @@ Result<std::unique_ptr<Frame>> make_frame(vk::Device& device, const Scene& scene
   frame->set_puffs(scene.puffs);
   frame->step(scene.levels, 0);
   return frame;
-}
-
-// Texels of an image. The judge interpolates between them as the GPU does.
-struct Texels {
-  int size = 0;
-  std::vector<float> rgb;
-
-  [[nodiscard]] glm::dvec3 at(int column, int row) const {
-    const int x = std::clamp(column, 0, size - 1);
-    const int y = std::clamp(row, 0, size - 1);
-    const float* texel =
-        &rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(size) + static_cast<std::size_t>(x))];
-    return {texel[0], texel[1], texel[2]};
-  }
-  // x, y: -1 to 1.
-  [[nodiscard]] glm::dvec3 through(double x, double y) const {
-    const double column = (0.5 * x + 0.5) * size - 0.5;
-    const double row = (0.5 * y + 0.5) * size - 0.5;
-    const double left = std::floor(column);
-    const double top = std::floor(row);
-    const int i = static_cast<int>(left);
-    const int j = static_cast<int>(top);
-    return glm::mix(glm::mix(at(i, j), at(i + 1, j), column - left),
-                    glm::mix(at(i, j + 1), at(i + 1, j + 1), column - left), row - top);
-  }
-};
-
-// The images of the rig in the order of its layers: built-in ones from their formulas, others from their texels.
-GoboColors gobos_of(const fixtures::CompiledRig& compiled, int size_px) {
-  struct Layer {
-    int builtin = 0;
-    Texels texels;
-  };
-  std::vector<Layer> layers;
-  for (const fixtures::ImageSource& image : compiled.images) {
-    Layer layer;
-    for (int gobo = 1; gobo <= fixtures::kGoboCount; ++gobo) {
-      if (image.name == std::string(fixtures::kBuiltinImage) + fixtures::gobo_name(gobo)) layer.builtin = gobo;
-    }
-    if (layer.builtin == 0) {
-      auto texels = fixtures::gobo_texels(image, size_px, kGoboEdge);
-      layer.texels = {size_px,
-                      texels ? std::move(*texels) : fixtures::stand_in_texels(layers.size(), size_px, kGoboEdge)};
-    }
-    layers.push_back(std::move(layer));
-  }
-  const auto shared = std::make_shared<const std::vector<Layer>>(std::move(layers));  // the judge copies the function
-  return [shared](int layer, double x, double y) {
-    const Layer& one = shared->at(static_cast<std::size_t>(layer - 1));
-    return one.builtin > 0 ? glm::dvec3(fixtures::gobo_transmission(one.builtin, x, y, kGoboEdge))
-                           : one.texels.through(x, y);
-  };
-}
-
-bool only_builtin(const fixtures::CompiledRig& compiled) {
-  return std::all_of(compiled.images.begin(), compiled.images.end(), [](const fixtures::ImageSource& image) {
-    return image.name.starts_with(fixtures::kBuiltinImage);
-  });
 }
 
 // The times of one pass in several frames, ms. A frame with floors that mirror also has one of the mirrored picture.
@@ -171,16 +110,7 @@ Result<Judged> judge_scene_of(vk::Device& device, const Scene& scene, const View
     FL_ASSIGN(const RadianceImage pilot, frame->read_radiance());
     judged.sample = sample_pixels(pilot, options.judge_pixels, kSampleSeed);
   }
-  fixtures::f64::Walker walker(scene.compiled);
-  walker.step(scene.levels, 0);
-  const bool cpu = device.is_software();
-  const int size_px = gobo_size_px(judged_settings(options), scene.compiled.images.size(), cpu);
-  const GoboColors gobos = gobos_of(scene.compiled, size_px);
-  JudgeScene judge =
-      judge_scene(scene.rig, walker, [gobos](int gobo, double x, double y) { return gobos(gobo, x, y).x; });
-  if (!only_builtin(scene.compiled)) judge.colors = gobos;
-  judge.glosses.clear();
-  if (scene.compiled.needs.plumes) add_plumes(judge, plume_field(scene.puffs, scene.rig.haze.scattering_per_m, 0));
+  JudgeScene judge = judge_of(scene, judged_settings(options), device.is_software());
   if (options.penumbra > 1) judge.lens = judge_lens(kJudgeLens);
   JudgeOptions judge_options;
   if (options.go_on) {
@@ -386,6 +316,8 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
   for (const PassTime& pass : first) report.gobo_build_ms += pass.name == "gobos" ? pass.gpu_ms : 0;
   FL_ASSIGN(report.gates, frame->read_gates());
   FL_ASSIGN(report.displays, frame->read_display_work());
+  report.reflections = options.reflections;
+  report.sheen = frame->resources().rig.sheen_count > 0;
   report.body_bytes = static_cast<std::int64_t>(frame->resources().body_bytes());
   whole.view = render::FrameView::kClasses;
   FL_TRY(frame->change(whole));
@@ -467,6 +399,27 @@ Status report_edges(vk::Device& device, const Scene& scene, const View& view, co
   return {};
 }
 
+// The error of what shiny surfaces mirror, with the times of the whole frame.
+Status report_mirrored(vk::Device& device, const Scene& scene, const View& view, const PictureReportOptions& options,
+                       PictureReport& report) {
+  if (!options.reflections) return {};
+  MirrorOptions mirror{.settings = judged_settings(options), .go_on = {}};
+  mirror.judge_pixels = std::max(options.judge_pixels / kMirrorShare, 1);
+  if (options.go_on) {
+    mirror.go_on = [&](double done) {
+      report.ended = !options.go_on("mirrored light", done, 1);
+      return !report.ended;
+    };
+  }
+  FL_ASSIGN(report.mirrored, measure_mirrored(device, scene, view, mirror));
+  if (!report.mirrored) return {};
+  for (const PassTime& pass : report.whole_passes) {
+    if (pass.name == "probes") report.mirrored->probes_ms = pass.gpu_ms;
+    if (pass.name == "reflections") report.mirrored->reflections_ms = pass.gpu_ms;
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene, const PictureReportOptions& options) {
@@ -479,6 +432,8 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
   Judged judged;
   if (options.judge) {
     FL_TRY(report_edges(device, scene, view, options, report));
+    if (report.ended) return report;
+    FL_TRY(report_mirrored(device, scene, view, options, report));
     if (report.ended) return report;
     const auto start = std::chrono::steady_clock::now();
     FL_ASSIGN(judged, judge_scene_of(device, scene, view, options));

@@ -13,6 +13,7 @@
 #include "render/reference/judge.h"
 #include "render/reference/report.h"
 #include "tools/footlight/pictures/shown_view.h"
+#include "tools/footlight/report/mirror_report.h"
 #include "tools/footlight/report/report_scenes.h"
 
 namespace footlight::tools {
@@ -42,7 +43,7 @@ struct PictureReportOptions {
   std::uint32_t shadow_map_px = render::kShadowsSuited;
   // FrameSettings::penumbra of all rows. Above 1 the judge's lenses shine from kJudgeLens places each.
   std::uint32_t penumbra = 1;
-  bool reflections = false;  // FrameSettings::bounce and probes, of the whole frame
+  bool reflections = false;  // FrameSettings::bounce and probes, of the whole frame; with probes a row of their error
   std::optional<render::Knobs> chosen;                       // a row of its own, "chosen", the first one
   bool judge = true;                                         // false: only times are measured
   bool rivals = false;                                       // rows of the methods of render/rivals
@@ -82,11 +83,14 @@ struct PictureReport {
   std::uint32_t shadows = 0;                   // pairs of a beam and what hides some of its light
   std::uint32_t shadows_lost = 0;              // of them, for want of room
   render::DisplayWork displays;                // of the whole frame
+  std::optional<MirrorRow> mirrored;           // empty: not judged, or nothing in the picture mirrors
   double gobo_build_ms = 0;                    // GPU time of the pass of gobos in its first frame
   ClassShares classes;                         // how its beams are computed
   std::string device;
   std::vector<std::string> validation_messages;
-  bool ended = false;  // go_on ended it
+  bool reflections = false;  // PictureReportOptions::reflections
+  bool sheen = false;        // something is not matt, the files of meshes included
+  bool ended = false;        // go_on ended it
 };
 
 // Returns the quantile at `share` (0 to 1), the nearest of `values`, which must not be empty.

@@ -53,7 +53,7 @@ struct PictureArguments {
   double body_error_px = render::FrameSettings{}.body_error_px;
   std::string shadow_words = "on";
   std::string penumbra = "1";
-  bool reflections = false;
+  std::string reflections;  // on, off; empty: where the rig has something that mirrors
   render::FrameSettings shadows;  // of which the shadows of the whole frame
   std::string error;  // "0.1%"
   std::string ms;
@@ -165,11 +165,14 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
   return scene;
 }
 
-// Prints what the rig leaves out, and the cost of each feature.
-Status report_left_out(render::vk::Device& device, const Scene& scene, const PictureReportOptions& pictures,
-                       const ReportOptions& options) {
+// Prints what the rig leaves out, and the cost of each feature. has_sheen: with the files of meshes.
+Status report_left_out(render::vk::Device& device, const Scene& of_rig, bool has_sheen,
+                       const PictureReportOptions& pictures, const ReportOptions& options) {
+  Scene scene = of_rig;
+  scene.compiled.needs.sheen = scene.compiled.needs.sheen || has_sheen;
   LeftOutOptions left_out{
       .settings = {.width = pictures.width, .height = pictures.height}, .runs = pictures.runs, .go_on = {}};
+  left_out.settings.bounce = left_out.settings.probes = true;  // else they are left out whatever the rig needs
   if (options.quick) left_out.runs = 0;  // each timed row compiles shaders
   if (options.go_on) {
     left_out.go_on = [&](double done, double all) { return options.go_on("features that are left out", done, all); };
@@ -313,7 +316,6 @@ PictureReportOptions options_of(const PictureArguments& arguments, const Picture
   pictures.shadows = arguments.shadows.shadows;
   pictures.shadow_map_px = arguments.shadows.shadow_map_px;
   pictures.penumbra = arguments.shadows.penumbra;
-  pictures.reflections = arguments.reflections;
   pictures.judge = !arguments.no_judge;
   pictures.rivals = arguments.rivals;
   pictures.quick = options.quick;
@@ -374,11 +376,13 @@ void print_figures(const PictureArguments& arguments, const ReportOptions& optio
   }
   fmt::print("GPU time per pass, tiles with error {:g}:", render::FrameSettings{}.tile_error);
   for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
-  fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms:",
+  fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included{}: {:.3f} ms:",
+             report.reflections ? "" : ", without light that surfaces reflect (--reflections on has it)",
              report.whole_ms);
   for (const auto& pass : report.whole_passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
   fmt::print("\n{}\n\n{}{}{}{}", classes_text(report.classes), shadows_text(report), displays_text(report),
              bodies_text(report, arguments.body_error_px), edges_text(report, pixels));
+  if (report.mirrored) options.print(text_of(*report.mirrored, pixels));
   if (air) {
     fmt::print(
         "Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets in "
@@ -415,6 +419,9 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
                                                    : scene_of_files(files, arguments, aspect, air));
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
   PictureReportOptions picture_options = options_of(arguments, size, options);
+  const char* reflections = scene.compiled.needs.probes ? "on" : "off";
+  FL_ASSIGN(picture_options.reflections,
+            parse_switch("--reflections", arguments.reflections.empty() ? reflections : arguments.reflections));
   picture_options.on_row = [&](const PictureReport& so_far) {
     const render::PictureRow& row = so_far.rows.back();
     if (options.json) {
@@ -449,7 +456,6 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
       options.print("\n" + text_of(*chosen));
     }
   }
-  const auto curves = render::curves_of(report.rows);
   if (options.json) {
     options.print(fmt::format(R"({{"event":"whole-frame","ms_p50":{:.4f}}})"
                               "\n",
@@ -458,6 +464,7 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
     if (report.shadows > 0) options.print(shadows_json(report));
     if (scene.compiled.needs.displays) options.print(displays_json(report));
     options.print(edges_json(report));
+    if (report.mirrored) options.print(json_of(*report.mirrored));
     if (scene.compiled.needs.gobo) options.print(gates_json(report));
     const render::BodyCounts& bodies = report.bodies;
     options.print(fmt::format(R"({{"event":"bodies","bodies":{},"drawn":{},"triangles":{},"drawn_triangles":{},)"
@@ -475,12 +482,12 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
     print_figures(arguments, options, report, std::int64_t{size.width} * size.height, air);
     if (scene.compiled.needs.gobo) options.print(gates_text(report));
   }
-  FL_TRY(report_left_out(*device, scene, picture_options, options));
+  FL_TRY(report_left_out(*device, scene, report.sheen, picture_options, options));
   if (!options.csv.empty()) FL_TRY(write_report_file(options.csv, render::csv_of(report.rows)));
   if (!options.svg.empty()) {
     FL_TRY(write_report_file(options.svg, render::svg_plot({scene.name + ": beams", report.device,
                                                             "GPU time per frame, ms", "relative L2 error"},
-                                                           curves)));
+                                                           render::curves_of(report.rows))));
   }
   return {};
 }
@@ -516,8 +523,9 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.option("--error", chosen->error, "SHARE", "choose the knobs for this error, as in 0.1%, and measure them");
   arguments.option("--ms", chosen->ms, "MS", "choose the knobs for this GPU time of a frame, and measure them");
   arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this text");
-  arguments.flag("--reflections", chosen->reflections,
-                 "the whole frame has reflected light and what shiny surfaces mirror; their errors are not measured");
+  arguments.option("--reflections", chosen->reflections, "WORD",
+                   "on: the whole frame has light that surfaces reflect and what shiny ones mirror, with a row of the "
+                   "error of that; off; default: on if the rig has something that mirrors");
   arguments.flag("--no-judge", chosen->no_judge, "measure times only, no errors");
   arguments.flag("--rivals", chosen->rivals,
                  "also rows of other methods: marches along the whole ray, equi-angular samples, froxels, cone meshes, "

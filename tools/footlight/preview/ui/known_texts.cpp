@@ -153,7 +153,7 @@ namespace {
     tr_mark("what floors mirror"),
     tr_mark("what shiny floors, trusses and metals mirror"),
     tr_mark("what shiny surfaces mirror of the stage"),
-    tr_mark("nothing shines, or no material is smooth enough; no maps of what is mirrored"),
+    tr_mark("the file has no probe and no material that shines; no maps of what is mirrored"),
     tr_mark("tables of gobos in the air, which are sampled instead"),
     tr_mark("clouds of haze that drift, plumes of machines, and haze that thins with height"),
     tr_mark("scanned lasers"),
