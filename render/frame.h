@@ -21,6 +21,7 @@
 #include "fixtures/simulate/walker.h"
 #include "render/display_films.h"
 #include "render/frame_state.h"
+#include "render/gobo_films.h"
 #include "render/haze.h"
 #include "render/image.h"
 #include "render/mirror.h"
@@ -142,10 +143,11 @@ class Frame {
     if (needs_.haze) haze_.scattering_per_m = scattering_per_m;
   }
 
-  // The pixels of a display of the rig with a video, columns x rows of them, from the next record() on. Until the first
-  // ones it is dark. Ignored if it shows something else.
+  // The pixels of what shows a video (fixtures::shown_at() of the rig), columns x rows of them, from the next record()
+  // on. Until the first ones it is dark. Ignored if it shows something else.
   void show_pixels(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
     films_.show(display, pixels);
+    if (display >= displays_) gobo_films_.show(display - displays_, pixels);
   }
 
   // Headless: record, submit, wait.
@@ -238,6 +240,8 @@ class Frame {
   MirrorPlane mirror_plane_;
   std::unique_ptr<Mirror> mirror_;  // null: nothing mirrors
   DisplayFilms films_;
+  GoboFilms gobo_films_;
+  std::size_t displays_ = 0;  // of the rig
   ScreenLights screens_;
   PassList entries_;  // those that the rig and the settings need are in passes_
   std::vector<PassPlan> plan_;
