@@ -21,7 +21,6 @@
 #include "fixtures/simulate/walker.h"
 #include "render/display_films.h"
 #include "render/frame_state.h"
-#include "render/gobo_films.h"
 #include "render/haze.h"
 #include "render/image.h"
 #include "render/mirror.h"
@@ -147,7 +146,6 @@ class Frame {
   // on. Until the first ones it is dark. Ignored if it shows something else.
   void show_pixels(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
     films_.show(display, pixels);
-    if (display >= displays_) gobo_films_.show(display - displays_, pixels);
   }
 
   // Headless: record, submit, wait.
@@ -240,8 +238,6 @@ class Frame {
   MirrorPlane mirror_plane_;
   std::unique_ptr<Mirror> mirror_;  // null: nothing mirrors
   DisplayFilms films_;
-  GoboFilms gobo_films_;
-  std::size_t displays_ = 0;  // of the rig
   ScreenLights screens_;
   PassList entries_;  // those that the rig and the settings need are in passes_
   std::vector<PassPlan> plan_;

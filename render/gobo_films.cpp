@@ -26,7 +26,7 @@ std::uint8_t code_of(float linear) {
   return kTable[static_cast<std::size_t>(std::clamp(linear, 0.0f, 1.0f) * kCodes + 0.5f)];
 }
 
-// Which pixels of a line of `from` one of `to` covers, and by how much.
+// Which pixels of a line of the picture a texel covers, and by how much of the texel.
 struct Cover {
   int first = 0;
   int count = 1;
@@ -34,20 +34,31 @@ struct Cover {
   float share = 0;  // of those in the middle
   float share_last = 0;
 };
-std::vector<Cover> covers(int from, int to) {
+// Texels of a line.
+struct Span {
+  int first = 0;
+  int count = 1;
+};
+// Of a line from `left` on, `width` texels long: it may begin and end within a texel.
+Span span_of(double left, double width) {
+  const int first = static_cast<int>(std::floor(left));
+  return {first, std::max(static_cast<int>(std::ceil(left + width)) - first, 1)};
+}
+// The line has `pixels` pixels.
+std::vector<Cover> covers(int pixels, double left, double width) {
   std::vector<Cover> all;
-  const double step = static_cast<double>(from) / to;
-  for (int i = 0; i < to; ++i) {
-    const double begin = i * step, end = (i + 1) * step;
+  const Span span = span_of(left, width);
+  const double step = pixels / width;
+  for (int i = 0; i < span.count; ++i) {
+    const auto place = [&](int texel) { return std::clamp((texel - left) * step, 0.0, static_cast<double>(pixels)); };
+    const double begin = place(span.first + i), end = place(span.first + i + 1);
     Cover cover;
-    cover.first = std::min(static_cast<int>(begin), from - 1);
-    const int last = std::clamp(static_cast<int>(std::ceil(end - 1e-9)) - 1, cover.first, from - 1);
+    cover.first = std::min(static_cast<int>(begin), pixels - 1);
+    const int last = std::clamp(static_cast<int>(std::ceil(end - 1e-9)) - 1, cover.first, pixels - 1);
     cover.count = last - cover.first + 1;
-    if (cover.count > 1) {
-      cover.share_first = static_cast<float>((cover.first + 1 - begin) / step);
-      cover.share = static_cast<float>(1 / step);
-      cover.share_last = static_cast<float>((end - last) / step);
-    }
+    cover.share_first = static_cast<float>(((cover.count > 1 ? cover.first + 1 : end) - begin) / step);
+    cover.share = static_cast<float>(1 / step);
+    cover.share_last = static_cast<float>((end - last) / step);
     all.push_back(cover);
   }
   return all;
@@ -60,17 +71,17 @@ glm::vec3 mean(const Cover& cover, const At& at) {
   return sum;
 }
 
-// The picture over columns x rows texels, in linear light.
-std::vector<glm::vec3> sized(const fixtures::PaneImage& picture, const glm::vec3& color, int columns, int rows) {
-  const auto width = static_cast<std::size_t>(columns);
-  const std::vector<Cover> across = covers(picture.width, columns), down = covers(picture.height, rows);
+// The picture over the texels that these cover, in linear light.
+std::vector<glm::vec3> sized(const fixtures::PaneImage& picture, const glm::vec3& color,
+                             const std::vector<Cover>& across, const std::vector<Cover>& down) {
+  const std::size_t width = across.size();
   std::vector<glm::vec3> lines(width * static_cast<std::size_t>(picture.height));
   for (int y = 0; y < picture.height; ++y) {
     const glm::vec3* const line = picture.texels.data() + static_cast<std::ptrdiff_t>(y) * picture.width;
     glm::vec3* const out = lines.data() + static_cast<std::size_t>(y) * width;
     for (std::size_t x = 0; x < width; ++x) out[x] = color * mean(across[x], [&](int at) { return line[at]; });
   }
-  std::vector<glm::vec3> texels(width * static_cast<std::size_t>(rows));
+  std::vector<glm::vec3> texels(width * down.size());
   for (std::size_t y = 0; y < down.size(); ++y) {
     for (std::size_t x = 0; x < width; ++x) {
       texels[y * width + x] = mean(down[y], [&](int at) { return lines[static_cast<std::size_t>(at) * width + x]; });
@@ -99,8 +110,13 @@ std::vector<glm::vec3> halved(const std::vector<glm::vec3>& texels, const FilmLe
 FilmTexels film_texels(const fixtures::PaneImage& picture, const glm::vec3& color, const fixtures::GoboPart& part,
                        int size_px) {
   FilmTexels film;
-  FilmLevel level{0, part.left, part.top, part.columns, part.rows, 0};
-  std::vector<glm::vec3> texels = sized(picture, color, part.columns, part.rows);
+  const double scale = static_cast<double>(size_px) / fixtures::kProjectorGoboPx;
+  const double left = scale * part.left, top = scale * part.top;
+  const double width = scale * part.columns, height = scale * part.rows;
+  FilmLevel level{0, span_of(left, width).first, span_of(top, height).first, span_of(left, width).count,
+                  span_of(top, height).count, 0};
+  std::vector<glm::vec3> texels =
+      sized(picture, color, covers(picture.width, left, width), covers(picture.height, top, height));
   for (int size = size_px; size > 0; size /= 2) {
     level.first = film.texels.size();
     film.levels.push_back(level);
@@ -128,11 +144,15 @@ Status GoboFilms::create(vk::Device& device, const MemoryShape& shape, const Rig
     const fixtures::FixtureType& type = shape.rig.types[static_cast<std::size_t>(display.type)];
     Film film;
     film.display = display;
-    film.part = fixtures::picture_part(fixtures::projected_frame(*type.said_by_rig.projector), size_px_);
+    film.part = fixtures::picture_part(fixtures::projected_frame(*type.said_by_rig.projector),
+                                       fixtures::kProjectorGoboPx);
     const auto& images = shape.compiled.images;
     const auto own = std::find_if(images.begin(), images.end(),
                                   [&](const fixtures::ImageSource& image) { return image.files == type.files; });
-    if (own == images.end()) return {};  // no image is shown
+    if (own == images.end()) {  // its beam shows none
+      films_.clear();
+      return {};
+    }
     film.layer = static_cast<std::uint32_t>(own - images.begin());
     film.staged = bytes;
     film.pixels = display.image;

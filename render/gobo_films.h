@@ -1,8 +1,8 @@
 // The pictures of projectors that change while the frame runs: videos and pixel maps, written into the layers of the
 // gobo images that the projectors' beams show.
 //
-// Memory: 5.6 MB of the host for each at gobos of 1024 texels a side, 1.4 MB at 512; no more on the GPU than gobos that
-// stand. Time of the host for a new picture of 714 x 402 texels: docs/numerics.md#projectors.
+// Memory: 1.5 MB of the host for each picture of 714 x 402 texels, and no more on the GPU than gobos that stand. Time
+// of the host for a new picture: docs/numerics.md#projectors.
 #pragma once
 
 #include <cstddef>
@@ -30,8 +30,9 @@ struct FilmTexels {
   std::vector<FilmLevel> levels;
   std::vector<std::uint8_t> texels;
 };
-// A picture over a part of an image of size_px a side: means over the area of each texel, then of four texels each.
-// color: share of light. Within 0.6 of a code of 255 of what double has.
+// A picture over a part of an image of size_px a side: means over the area of each texel, then of four texels each. The
+// part is that of an image of kProjectorGoboPx a side, as images that stand have it. color: share of light. Within 0.6
+// of a code of 255 of what double has.
 [[nodiscard]] FilmTexels film_texels(const fixtures::PaneImage& picture, const glm::vec3& color,
                                      const fixtures::GoboPart& part, int size_px);
 

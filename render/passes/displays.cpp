@@ -135,9 +135,9 @@ const PassEntry kDisplaysPass{
       return std::unique_ptr<Pass>(new DisplaysPass(context, std::move(steps), records));
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kDisplayposesComp}, {kDisplaycellsComp}, {kDisplaytilesComp}, {kDisplaylistsComp},
-                                                 {kDisplaynodesComp},  {kHazedisplaynodesComp}, {kDisplaysComp},
-                                                 {kDisplaypixelsComp}, {kHazedisplaypixelsComp}};
+      return std::vector<std::vector<vk::Spirv>>{{kDisplayposesComp}, {kDisplaycellsComp},  {kDisplaytilesComp},
+                                                 {kDisplaylistsComp}, {kDisplaynodesComp},  {kHazedisplaynodesComp},
+                                                 {kDisplaysComp},     {kDisplaypixelsComp}, {kHazedisplaypixelsComp}};
     },
     "displays, and their light in the air and on surfaces"};
 

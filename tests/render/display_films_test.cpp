@@ -1,6 +1,8 @@
 // Displays and projectors whose pixels come from outside, and displays that move with heads.
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -253,7 +255,7 @@ TEST_CASE("a projector whose picture changes throws what one with an image of th
 
 TEST_CASE("texels of a film are means over the picture, with levels that are means of four, black around it") {
   const fixtures::PaneImage picture{3, 1, {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)}};
-  const FilmTexels film = film_texels(picture, glm::vec3(1), {1, 3, 2, 2}, 8);
+  const FilmTexels film = film_texels(picture, glm::vec3(1), {128, 384, 256, 256}, 8);
   REQUIRE(film.levels.size() == 4);
   const auto texel = [&](std::size_t level, int column, int row) {
     const FilmLevel& own = film.levels[level];
@@ -266,6 +268,21 @@ TEST_CASE("texels of a film are means over the picture, with levels that are mea
   CHECK(film.levels[1].columns == 2);  // texels 0 and 1, and rows 1 and 2, of four a side
   CHECK(texel(1, 0, 1) == glm::vec3(code(2.0 / 12), code(1.0 / 12), 0));
   CHECK(texel(3, 0, 0) == glm::vec3(code(4.0 / 3 / 64), code(4.0 / 3 / 64), code(4.0 / 3 / 64)));
+}
+
+TEST_CASE("the texels of a picture of a projector are at most 1.6 MB with all levels of detail") {
+  fixtures::PaneImage picture{714, 402, std::vector<glm::vec3>(714 * 402, glm::vec3(0.3f, 0.6f, 0.1f))};
+  (void)film_texels(picture, glm::vec3(1), {0, 0, 1, 1}, 1024);  // makes the table of codes
+  for (const int size_px : {1024, 512}) {
+    const std::clock_t from = std::clock();
+    const FilmTexels film = film_texels(picture, glm::vec3(1), {155, 311, 714, 402}, size_px);
+    const double taken_ms = 1e3 * static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC;
+    CHECK(film.texels.size() < std::size_t{1'600'000});
+    if (std::getenv("FOOTLIGHT_PRINT_ERRORS") != nullptr) {
+      MESSAGE("714 x 402 for gobos of " << size_px << ": " << taken_ms << " ms of processor time, "
+                                        << film.texels.size() << " bytes");
+    }
+  }
 }
 
 // A screen on a yoke over a floor; levels 0 and 255 are 90 degrees to either side.
