@@ -9,8 +9,10 @@ namespace footlight::render {
 
 static_assert(sizeof(glm::vec3) == 3 * sizeof(float), "a pixel of an image is one of the lowest level of cells");
 
-Status DisplayFilms::create(vk::Device& device, const MemoryShape& shape) {
+Status DisplayFilms::create(vk::Device& device, const MemoryShape& shape, const RigTables& rig) {
   const auto& displays = shape.rig.displays;
+  displays_ = displays.size();
+  FL_TRY(projections_.create(device, shape, rig));
   VkDeviceSize bytes = 0;
   DisplayTables tables;
   for (std::size_t i = 0; i < displays.size(); ++i) {
@@ -28,6 +30,7 @@ Status DisplayFilms::create(vk::Device& device, const MemoryShape& shape) {
 }
 
 void DisplayFilms::show(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
+  if (display >= displays_) projections_.show(display - displays_, pixels);
   for (Film& film : films_) {
     if (film.display != display) continue;
     FL_CHECK_EQ(pixels->width, film.columns);
@@ -36,7 +39,8 @@ void DisplayFilms::show(std::size_t display, const std::shared_ptr<const fixture
   }
 }
 
-void DisplayFilms::record(VkCommandBuffer commands, RigTables& rig) {
+void DisplayFilms::record(VkCommandBuffer commands, RigTables& rig, std::span<const std::uint8_t> levels) {
+  projections_.record(commands, rig, levels);
   if (rig.display_cells.handle == VK_NULL_HANDLE) return;
   for (Film& film : films_) {
     if (!film.pixels) continue;

@@ -1,23 +1,28 @@
-// The pixels that displays get from outside while the frame runs: of videos.
+// The pixels that displays and projectors get while the frame runs: of videos, and those of DMX for projectors.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "render/gobo_films.h"
 #include "render/resources.h"
 
 namespace footlight::render {
 
 class DisplayFilms {
  public:
-  // Makes room for the pixels of all displays that show a film (fixtures::shows_film()); none without such displays.
-  Status create(vk::Device& device, const MemoryShape& shape);
-  // columns x rows pixels of a display of the rig, from the next record() on: share of light, linear Rec. 709. Ignored
-  // if that display shows no film.
+  // Makes room for the pixels of all displays that show a film (fixtures::shows_film()), and of projections; none
+  // without such displays. The rig's tables are those of the frame.
+  Status create(vk::Device& device, const MemoryShape& shape, const RigTables& rig);
+  // columns x rows pixels of what fixtures::shown_at() is of the rig, from the next record() on: share of light, linear
+  // Rec. 709. Ignored if that shows no film.
   void show(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels);
   // Copies what is new to the cells of the displays, and has the pass of displays compute the larger ones. The commands
   // of the record() before must be finished.
-  void record(VkCommandBuffer commands, RigTables& rig);
+  // levels: universes x 512 bytes; empty: all are 0.
+  void record(VkCommandBuffer commands, RigTables& rig, std::span<const std::uint8_t> levels);
 
  private:
   struct Film {
@@ -29,6 +34,8 @@ class DisplayFilms {
     std::shared_ptr<const fixtures::PaneImage> pixels;  // new ones; else null
   };
   std::vector<Film> films_;
+  GoboFilms projections_;
+  std::size_t displays_ = 0;  // of the rig
   vk::Buffer staged_;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "fixtures/displays/screen_motion.h"
+
 namespace footlight::render {
 namespace {
 
@@ -145,6 +147,15 @@ Status make_display_tables(vk::Device& device, const MemoryShape& shape, RigTabl
   r.display_still = tables.still;
   r.display_live = tables.live;
   r.display_film = tables.film;
+  for (const fixtures::ScreenMotion& each : fixtures::screen_motions(shape.rig, shape.compiled)) {
+    DisplayMove move{{}, {}, {}, static_cast<std::uint32_t>(each.display), each.head, each.depth};
+    for (int i = 0; i < 3; ++i) {
+      move.middle_m[i] = static_cast<float>(each.middle_m[i]);
+      move.right[i] = static_cast<float>(each.right[i]);
+      move.up[i] = static_cast<float>(each.up[i]);
+    }
+    r.display_moves.push_back(move);
+  }
   FL_ASSIGN(r.displays, vk::Buffer::table(device, tables.rows));
   FL_ASSIGN(r.display_levels, vk::Buffer::table(device, tables.levels));
   FL_ASSIGN(r.display_cells, vk::Buffer::table(device, first_cells(shape.rig, tables)));

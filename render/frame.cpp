@@ -62,7 +62,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   }
   FL_ASSIGN(frame->resources_.rig, RigTables::create(device, {rig, compiled, compiled.needs, widest}, used));
   if (frame->resources_.rig.sheen_count > 0) frame->needs_.sheen = true;  // now the files of meshes have been read
-  FL_TRY(frame->films_.create(device, {rig, compiled, compiled.needs, widest}));
+  FL_TRY(frame->films_.create(device, {rig, compiled, compiled.needs, widest}, frame->resources_.rig));
   frame->screens_ = ScreenLights(rig, compiled);
   const std::vector<bool> only_pixels = fixtures::pixel_universes(rig, compiled);
   for (std::size_t i = 0; i < only_pixels.size(); ++i) {
@@ -259,7 +259,7 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   upload_params(commands, first, exposure_ev, is_mirrored_ ? mirror_.get() : nullptr);
   mark(commands, "");
   record_levels(commands);
-  films_.record(commands, resources_.rig);
+  films_.record(commands, resources_.rig, newest_);
   screens_.record(commands, resources_.rig, newest_);
   if (!has_solids_ && !draws(kBeamsPass)) clear_radiance(commands);
   if (is_mirrored_) {

@@ -142,8 +142,8 @@ class Frame {
     if (needs_.haze) haze_.scattering_per_m = scattering_per_m;
   }
 
-  // The pixels of a display of the rig with a video, columns x rows of them, from the next record() on. Until the first
-  // ones it is dark. Ignored if it shows something else.
+  // The pixels of what shows a video (fixtures::shown_at() of the rig), columns x rows of them, from the next record()
+  // on. Until the first ones it is dark. Ignored if it shows something else.
   void show_pixels(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
     films_.show(display, pixels);
   }

@@ -60,7 +60,8 @@ GoboTablePlan plan_gobo_tables(const fixtures::CompiledRig& compiled, const std:
   };
   for (std::size_t i = 0; i < count; ++i) {
     plan.rows.push_back({.planes = planes[i], .lines = 0, .built = 0, .gate = 0, .whole = {}});
-    if (in_wheel[i]) plan.rows[i].lines = take(plan.lines_layers, planes[i], kGoboLinesBytes);
+    const bool is_drawn = in_wheel[i] && !compiled.images[i].changes;
+    if (is_drawn) plan.rows[i].lines = take(plan.lines_layers, planes[i], kGoboLinesBytes);
   }
   for (std::size_t i = 0; i < count; ++i) {
     for (std::uint32_t p = 0; p < FL_GOBO_PROFILES; ++p) {

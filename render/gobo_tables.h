@@ -28,7 +28,7 @@ inline constexpr std::uint64_t kGateBytesMax = std::uint64_t{256} << 20;
 // Gates of a rig with only one gobo wheel in each beam: they are in use while a wheel is between two slots.
 inline constexpr std::uint32_t kGatesBetweenSlots = 4;
 
-// Which gobos have which tables. Pure.
+// Which gobos have which tables. Pure. Images that change have none: building takes longer than sampling.
 struct GoboTablePlan {
   std::vector<GoboTableRow> rows;  // one an image, then one a gate
   std::uint32_t whole_layers = 0;  // of images

@@ -59,7 +59,9 @@ GoboTexels read_gobos(const std::vector<fixtures::ImageSource>& images, int size
   fixtures::ImageBudget budget;
   for (std::uint32_t layer = 0; layer < read.layers; ++layer) {
     std::vector<float> image(3, 1.0f);
-    if (!images.empty()) {
+    if (!images.empty() && images[layer].changes) {
+      image.assign(static_cast<std::size_t>(3) * static_cast<std::size_t>(read.size_px * read.size_px), 0.0f);
+    } else if (!images.empty()) {
       auto texels = fixtures::gobo_texels(images[layer], read.size_px, kGoboEdge, &budget);
       if (texels) {
         image = std::move(*texels);

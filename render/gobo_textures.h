@@ -20,7 +20,7 @@ struct GoboTexels {
   std::vector<fixtures::Diagnostic> troubles;    // of images that could not be read
 };
 
-// Reads files and draws built-in gobos, without a device: on any thread.
+// Reads files and draws built-in gobos, without a device: on any thread. Images that change are black (gobo_films.h).
 [[nodiscard]] GoboTexels read_gobos(const std::vector<fixtures::ImageSource>& images, int size_px);
 // kBadInput for more images than the device has layers.
 [[nodiscard]] Status check_gobos(const vk::Device& device, std::size_t images);

@@ -655,6 +655,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   if (reading_gobos.valid()) {
     GoboTexels gobos = reading_gobos.get();
     FL_ASSIGN(r.gobos, make_gobos(device, gobos));
+    r.gobo_px = gobos.size_px;
     gobo_planes = std::move(gobos.planes);
     for (fixtures::Diagnostic& trouble : gobos.troubles) diagnostics.add(std::move(trouble));
   }

@@ -38,6 +38,17 @@ struct DisplayJobRange {
 };
 using DisplayJobs = std::vector<DisplayJobRange>;
 
+// The push constants of displayposes.comp: a display behind a joint of a head.
+struct DisplayMove {
+  float middle_m[3];  // in the space behind the joint
+  float right[3];     // unit
+  float up[3];        // unit
+  std::uint32_t display;
+  std::uint32_t head;
+  std::uint32_t depth;  // joints before it
+};
+static_assert(sizeof(DisplayMove) == 48);
+
 // Tables, models, gobo images and states of a rig. Made once; reading models and images is slow.
 struct RigTables {
   // `used`: the bindings of all passes that may be in use; the others are not allocated.
@@ -54,6 +65,7 @@ struct RigTables {
   vk::Buffer occluders;   // OccluderRow: those that do not move, then FL_BODY_BOXES of each body
   vk::Buffer body_boxes;  // BodyBoxRow, FL_BODY_BOXES a mesh
   vk::Image gobos;        // one layer a gobo
+  int gobo_px = 1;        // a side of them
   // Tables of gobos in haze, filled as lit beams show them: GoboTableRow, GoboQueue, and the two kinds of tables.
   vk::Buffer gobo_tables, gobo_queue;
   vk::Image gobo_whole, gobo_lines;
@@ -123,6 +135,7 @@ struct RigTables {
   std::uint32_t pane_lines_most = 0;  // of a group
   std::uint32_t gloss_count = 0;
   std::uint32_t occluder_words = 0;  // of a pane's bits
+  std::vector<DisplayMove> display_moves;  // of displays that pan and tilt: each picture
   DisplayJobs display_still;         // of images: once
   DisplayJobs display_live;          // of pixel maps: each frame
   DisplayJobs display_film;          // of films: with new pixels (render/display_films.h)

@@ -7,6 +7,7 @@
 #include "shaders/displaylists.comp.h"
 #include "shaders/displaynodes.comp.h"
 #include "shaders/displaypixels.comp.h"
+#include "shaders/displayposes.comp.h"
 #include "shaders/displays.comp.h"
 #include "shaders/displaytiles.comp.h"
 #include "shaders/hazedisplaynodes.comp.h"
@@ -17,9 +18,10 @@ namespace {
 
 class DisplaysPass final : public Pass {
  public:
-  // Without records each pixel is computed by itself: tiles, lists and nodes are null.
+  // Without records each pixel is computed by itself: tiles, lists and nodes are null. Without displays that move poses
+  // is null.
   struct Steps {
-    BoundPipeline cells, tiles, lists, nodes, light, pixels;
+    BoundPipeline poses, cells, tiles, lists, nodes, light, pixels;
   };
   DisplaysPass(const PassContext& context, Steps steps, bool has_records)
       : rig_(context.resources.rig),
@@ -33,6 +35,7 @@ class DisplaysPass final : public Pass {
         steps_(std::move(steps)) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
+    record_moves(commands);
     if (!std::exchange(rig_.display_cells_fresh, true)) {
       record_jobs(commands, still_);
       still_.clear();  // images stay
@@ -67,6 +70,15 @@ class DisplaysPass final : public Pass {
       vkCmdDispatchIndirect(commands, records_, sizeof(std::uint32_t) * 4 * level);
       vk::full_barrier(commands);
     }
+  }
+  // The places of displays that move with heads.
+  void record_moves(VkCommandBuffer commands) {
+    for (const DisplayMove& move : rig_.display_moves) {
+      steps_.poses.bind(commands);
+      steps_.poses.pipeline->push(commands, std::as_bytes(std::span(&move, 1)));
+      vkCmdDispatch(commands, 1, 1, 1);
+    }
+    if (!rig_.display_moves.empty()) vk::full_barrier(commands);
   }
   // Each level is made of the one below.
   void record_jobs(VkCommandBuffer commands, const DisplayJobs& jobs) {
@@ -109,6 +121,9 @@ const PassEntry kDisplaysPass{
       const bool haze = has_constant(context, FL_SPEC_HAZE), records = has_constant(context, FL_SPEC_TILES);
       const auto begin = [&](vk::Spirv spirv) { return BoundPipeline::compute(context, spirv, context.constants); };
       DisplaysPass::Steps steps;
+      if (!context.resources.rig.display_moves.empty()) {
+        FL_ASSIGN(steps.poses, BoundPipeline::compute(context, kDisplayposesComp, {}));
+      }
       FL_ASSIGN(steps.cells, BoundPipeline::compute(context, kDisplaycellsComp, {}));
       if (records) {
         FL_ASSIGN(steps.tiles, begin(kDisplaytilesComp));
@@ -120,9 +135,9 @@ const PassEntry kDisplaysPass{
       return std::unique_ptr<Pass>(new DisplaysPass(context, std::move(steps), records));
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kDisplaycellsComp},  {kDisplaytilesComp},     {kDisplaylistsComp},
-                                                 {kDisplaynodesComp},  {kHazedisplaynodesComp}, {kDisplaysComp},
-                                                 {kDisplaypixelsComp}, {kHazedisplaypixelsComp}};
+      return std::vector<std::vector<vk::Spirv>>{{kDisplayposesComp}, {kDisplaycellsComp},  {kDisplaytilesComp},
+                                                 {kDisplaylistsComp}, {kDisplaynodesComp},  {kHazedisplaynodesComp},
+                                                 {kDisplaysComp},     {kDisplaypixelsComp}, {kHazedisplaypixelsComp}};
     },
     "displays, and their light in the air and on surfaces"};
 

@@ -13,6 +13,7 @@
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
+#include "fixtures/displays/screen_motion.h"
 #include "fixtures/photometry/table.h"
 #include "render/probe.h"
 #include "render/reference/cores.h"
@@ -776,6 +777,21 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
   const double range_m = light_range_m(rig);
   add_panes(scene, rig, range_m);
   add_displays(scene, rig, walker.rig, walker.levels);
+  for (const fixtures::ScreenMotion& each : fixtures::screen_motions(rig, walker.rig)) {
+    const auto& state = walker.states[each.head];
+    const fixtures::HeadRow& row = walker.rig.heads[each.head];
+    const fixtures::TypeRow& type = walker.rig.types[row.type];
+    const auto turned = [&](const glm::dvec3& axis) {
+      return walker.fixture_to_stage_direction(row, walker.chain_to_fixture(type, state, each.depth, axis, 0));
+    };
+    JudgeDisplay& display = scene.displays[each.display];
+    display.center_m =
+        walker.fixture_to_stage_point(row, walker.chain_to_fixture(type, state, each.depth, each.middle_m, 1));
+    const glm::dvec3 up = glm::normalize(turned(each.up));
+    const glm::dvec3 right = turned(each.right) - glm::dot(turned(each.right), up) * up;
+    display.right_m = glm::normalize(right) * glm::length(display.right_m);
+    display.up_m = up * glm::length(display.up_m);
+  }
   scene.gobo = std::move(gobo);
   std::vector<std::size_t> heads;  // of the beams
   for (std::size_t i = 0; i < walker.states.size(); ++i) {

@@ -1,14 +1,27 @@
-// Displays whose pixels come from outside: of videos.
+// Displays and projectors whose pixels come from outside, and displays that move with heads.
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "fixtures/displays/screens.h"
+#include "fixtures/model/srgb.h"
+#include "fixtures/projectors/projector.h"
+#include "fixtures/simulate/walker.h"
 #include "render/display_tables.h"
 #include "render/frame.h"
+#include "render/gobo_films.h"
+#include "render/gobo_tables.h"
 #include "render/reference/display_judge.h"
+#include "tests/fixtures/files/gdtf_xml.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
+#include "tests/support/temp_folder.h"
+#include "tests/support/zip_bytes.h"
 
 namespace footlight::render {
 namespace {
@@ -156,6 +169,172 @@ TEST_CASE("a screen that its fixture dims shows to the bit what a display of tha
   };
   screen.levels.at(0) = 51;
   CHECK(sum_of(screen) == doctest::Approx(sum_of(scene_of(160, false))));
+}
+
+// As Scene::compile(), for a rig whose fixtures have no addresses.
+void compile_unpatched(Scene& scene) {
+  scene.compiled = must(fixtures::compile(scene.rig));
+  scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
+}
+
+// A projector with a pixel map of 8 x 4 pixels on a wall, in haze.
+Scene projector_scene() {
+  Scene scene;
+  scene.rig = must(fixtures::parse_rig(
+      "[rig]\nname = \"P\"\nambient_lx = 0\n[haze]\nscattering_per_m = 0.02\n"
+      "[[projector]]\nposition = [0, -4, 3]\naim = [0, 4, 2]\nthrow_ratio = 1.5\n"
+      "content = { universe = 1, columns = 8, rows = 4, color = [1, 0.8, 0.6] }\n"
+      "[[box]]\nname = \"Wall\"\nmin = [-6, 4, 0]\nmax = [6, 4.2, 6]\nalbedo = [0.6, 0.6, 0.6]\n"
+      "[[camera]]\nname = \"main\"\nposition = [-3, -6, 2]\ntarget = [0, 4, 2]\nfov_deg = 45\n",
+      "projector.toml"));
+  compile_unpatched(scene);
+  return scene;
+}
+
+std::shared_ptr<const fixtures::PaneImage> blocks_of(std::uint64_t seed) {
+  auto image = std::make_shared<fixtures::PaneImage>(fixtures::PaneImage{8, 4, {}});
+  Random random(seed);
+  for (int i = 0; i < 8 * 4; ++i) {
+    const auto level = [&] { return static_cast<float>(std::floor(random.between(0, 256))) / 255; };
+    image->texels.emplace_back(level(), level(), level());
+  }
+  return image;
+}
+
+// The share by which pictures differ in all.
+double difference(const std::vector<float>& a, const std::vector<float>& b) {
+  double apart = 0, all = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    apart += std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i]));
+    all += static_cast<double>(b[i]);
+  }
+  return all > 0 ? apart / all : apart;
+}
+
+TEST_CASE("a projector whose picture changes throws what one with an image of the same pixels throws") {
+  HeadlessVulkan vulkan;
+  Scene scene = projector_scene();
+  const auto still = [&](const std::shared_ptr<const fixtures::PaneImage>& image) {
+    Scene other = projector_scene();
+    fixtures::Projector projector = *other.rig.types.at(0).said_by_rig.projector;
+    fixtures::Display content = *projector.content;
+    content.map.reset();
+    content.image = image;
+    projector.content = std::make_shared<const fixtures::Display>(content);
+    other.rig.types[0] = fixtures::make_projector(projector);
+    fixtures::place_screens(other.rig);
+    compile_unpatched(other);
+    return drawn(*make_frame(vulkan.device(), other, judged_settings(kWidth, kHeight)), other);
+  };
+  CHECK(plan_gobo_tables(scene.compiled, {3}, 0).rows.at(0).lines == 0);  // light in haze is sampled
+  const std::vector<float> first = still(blocks_of(1)), second = still(blocks_of(2));
+  REQUIRE(difference(first, second) > 0.1);
+  // Pixels from DMX.
+  const auto frame = make_frame(vulkan.device(), scene, judged_settings(kWidth, kHeight));
+  const std::vector<float> dark = drawn(*frame, scene);
+  CHECK(std::all_of(dark.begin(), dark.end(), [](float light) { return light == 0; }));
+  for (const unsigned seed : {1u, 2u, 1u}) {
+    std::size_t slot = 0;
+    const auto blocks = blocks_of(seed);
+    for (const glm::vec3& texel : blocks->texels) {
+      for (int c = 0; c < 3; ++c) scene.levels.at(slot++) = static_cast<std::uint8_t>(std::lround(255 * texel[c]));
+    }
+    CHECK(difference(drawn(*frame, scene), seed == 1 ? first : second) < 0.01);
+  }
+  // Pixels from a video.
+  scene = projector_scene();
+  scene.rig.projections.at(0).map.reset();
+  scene.rig.projections[0].video.emplace();
+  compile_unpatched(scene);
+  const auto film = make_frame(vulkan.device(), scene, judged_settings(kWidth, kHeight));
+  CHECK(drawn(*film, scene) == dark);
+  film->show_pixels(0, blocks_of(2));
+  CHECK(difference(drawn(*film, scene), second) < 0.01);
+  CHECK(difference(drawn(*film, scene), second) < 0.01);  // it stays
+}
+
+TEST_CASE("texels of a film are means over the picture, with levels that are means of four, black around it") {
+  const fixtures::PaneImage picture{3, 1, {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)}};
+  const FilmTexels film = film_texels(picture, glm::vec3(1), {128, 384, 256, 256}, 8);
+  REQUIRE(film.levels.size() == 4);
+  const auto texel = [&](std::size_t level, int column, int row) {
+    const FilmLevel& own = film.levels[level];
+    const auto at = own.first + 4 * static_cast<std::size_t>((row - own.top) * own.columns + column - own.left);
+    return glm::vec3(film.texels[at], film.texels[at + 1], film.texels[at + 2]);
+  };
+  const auto code = [](double light) { return std::round(255 * fixtures::srgb_of_linear(light)); };
+  CHECK(texel(0, 1, 3) == glm::vec3(code(2.0 / 3), code(1.0 / 3), 0));
+  CHECK(texel(0, 2, 4) == glm::vec3(0, code(1.0 / 3), code(2.0 / 3)));
+  CHECK(film.levels[1].columns == 2);  // texels 0 and 1, and rows 1 and 2, of four a side
+  CHECK(texel(1, 0, 1) == glm::vec3(code(2.0 / 12), code(1.0 / 12), 0));
+  CHECK(texel(3, 0, 0) == glm::vec3(code(4.0 / 3 / 64), code(4.0 / 3 / 64), code(4.0 / 3 / 64)));
+}
+
+TEST_CASE("the texels of a picture of a projector are at most 1.6 MB with all levels of detail") {
+  fixtures::PaneImage picture{714, 402, std::vector<glm::vec3>(714 * 402, glm::vec3(0.3f, 0.6f, 0.1f))};
+  (void)film_texels(picture, glm::vec3(1), {0, 0, 1, 1}, 1024);  // makes the table of codes
+  for (const int size_px : {1024, 512}) {
+    const std::clock_t from = std::clock();
+    const FilmTexels film = film_texels(picture, glm::vec3(1), {155, 311, 714, 402}, size_px);
+    const double taken_ms = 1e3 * static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC;
+    CHECK(film.texels.size() < std::size_t{1'600'000});
+    if (std::getenv("FOOTLIGHT_PRINT_ERRORS") != nullptr) {
+      MESSAGE("714 x 402 for gobos of " << size_px << ": " << taken_ms << " ms of processor time, "
+                                        << film.texels.size() << " bytes");
+    }
+  }
+}
+
+// A screen on a yoke over a floor; levels 0 and 255 are 90 degrees to either side.
+Scene yoke_scene(const footlight::testing::TempFolder& folder) {
+  fixtures::GdtfParts parts;
+  parts.before = "<Models><Model Name='Face' Length='1.6' Width='0.04' Height='0.9' PrimitiveType='Cube'/></Models>";
+  parts.geometries =
+      "<Geometry Name='Base'><Axis Name='Yoke'>"
+      "<Display Name='Screen' Model='Face' Texture='t' Position='{1,0,0,0}{0,1,0,-0.4}{0,0,1,-0.7}{0,0,0,1}'/>"
+      "</Axis></Geometry>";
+  parts.channels = fixtures::gdtf_channel("Yoke", "1", "Pan", "<ChannelFunction PhysicalFrom='-90' PhysicalTo='90'/>");
+  std::ofstream(folder.file("yoke.gdtf"), std::ios::binary)
+      << footlight::testing::make_zip({{"description.xml", fixtures::gdtf_xml(parts)}});
+  Scene scene;
+  scene.rig = must(fixtures::parse_rig(
+      "[rig]\nname = \"Y\"\nambient_lx = 0\n[haze]\nscattering_per_m = 0.02\n"
+      "[[fixture]]\nname = \"Y\"\ntype = \"yoke.gdtf\"\nuniverse = 1\naddress = 1\nposition = [0, 4, 3]\n"
+      "content = { nits = 700, columns = 2, rows = 2, universe = 2 }\n"
+      "[[box]]\nname = \"Floor\"\nmin = [-9, -9, -1]\nmax = [9, 9, 0]\nalbedo = [0.5, 0.4, 0.3]\n"
+      "[[camera]]\nname = \"main\"\nposition = [3, -4, 2]\ntarget = [0, 4, 1.5]\nfov_deg = 60\n",
+      folder.file("rig.toml")));
+  scene.compile();
+  for (std::size_t i = 0; i < 12; ++i) scene.levels.at(kSlotCountMax + i) = static_cast<std::uint8_t>(20 * (i + 1));
+  return scene;
+}
+
+TEST_CASE("a screen on a yoke is where a display in its place is, before and after it has turned") {
+  const footlight::testing::TempFolder folder;
+  HeadlessVulkan vulkan;
+  Scene scene = yoke_scene(folder);
+  FrameSettings settings = judged_settings(kWidth, kHeight);
+  settings.bodies = false;
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  for (const int level : {0, 255}) {
+    CAPTURE(level);
+    scene.levels.at(0) = static_cast<std::uint8_t>(level);
+    frame->step(scene.levels, 60'000'000'000);
+    const std::vector<float> turned = drawn(*frame, scene);
+    Scene other = scene;
+    fixtures::Display& display = other.rig.displays.at(0);
+    const double side = level == 0 ? -1 : 1;  // positive pan is counterclockwise as seen from above
+    display.position_m = glm::dvec3(side * (0.42 + fixtures::kScreenAwayM), 4, 2.3);
+    display.rotation_deg = glm::dvec3(0, 0, side * 90);
+    display.fixture = -1;
+    other.compile();
+    other.levels = scene.levels;
+    CHECK(difference(drawn(*make_frame(vulkan.device(), other, settings), other), turned) < 1e-4);
+    fixtures::f64::Walker walker(scene.compiled);
+    walker.step(scene.levels, 0);
+    CHECK(glm::distance(judge_scene(scene.rig, walker).displays.at(0).center_m, display.position_m) < 1e-6);
+    CHECK(glm::distance(judge_scene(scene.rig, walker).displays.at(0).right_m, glm::dvec3(0, side * 0.8, 0)) < 1e-6);
+  }
 }
 
 }  // namespace

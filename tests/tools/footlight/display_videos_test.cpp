@@ -16,13 +16,12 @@ namespace {
 
 using testing::must;
 
-TEST_CASE("a video that cannot be read any more is closed, and the videos of other displays go on") {
+TEST_CASE("a video that cannot be read any more is closed, and those of other displays and projectors go on") {
   const testing::TempFolder folder;
   fixtures::Rig rig;
-  for (const char* name : {"a.mkv", "b.mkv"}) {
-    write_clip(folder.file(name), 10);
-    rig.displays.push_back(display_of(folder.file(name)));
-  }
+  for (const char* name : {"a.mkv", "b.mkv"}) write_clip(folder.file(name), 10);
+  rig.displays.push_back(display_of(folder.file("a.mkv")));
+  rig.projections.push_back(display_of(folder.file("b.mkv")));
   DisplayVideos videos = must(DisplayVideos::open(rig, ClipPace::kExact));
   std::vector<std::size_t> given;
   const auto give = [&](std::size_t display, const std::shared_ptr<const fixtures::PaneImage>&) {
@@ -56,6 +55,23 @@ TEST_CASE("a rig whose displays with videos have other indices, pixels or files 
   other = rig;
   other.displays.pop_back();
   CHECK_FALSE(same_videos(other, rig));
+  other = rig;
+  other.projections.push_back(display_of("b.mkv"));  // of a projector
+  CHECK_FALSE(same_videos(other, rig));
+  CHECK(same_videos(other, other));
+  other.displays[1].video.emplace();  // so the film of the projector is one place later
+  CHECK_FALSE(same_videos(other, rig));
+}
+
+TEST_CASE("the videos of projectors stand at a time of the show, for the judge") {
+  const testing::TempFolder folder;
+  write_clip(folder.file("a.mkv"), 10);
+  fixtures::Rig rig;
+  rig.projections.push_back(display_of(folder.file("a.mkv")));
+  testing::must(hold_videos(rig, 4 * kPictureNs));
+  REQUIRE(rig.projections[0].image);
+  const auto feed = testing::must(ClipFeed::open(display_of(folder.file("a.mkv")), ClipPace::kExact));
+  CHECK(rig.projections[0].image->texels == testing::must(feed->at(4 * kPictureNs)).pixels->texels);
 }
 
 }  // namespace

@@ -18,11 +18,11 @@ bool same_film(const fixtures::Display& a, const fixtures::Display& b) {
 
 Result<DisplayVideos> DisplayVideos::open(const fixtures::Rig& rig, ClipPace pace) {
   DisplayVideos videos;
-  for (std::size_t i = 0; i < rig.displays.size(); ++i) {
-    const fixtures::Display& display = rig.displays[i];
+  for (std::size_t i = 0; i < fixtures::shown_count(rig); ++i) {
+    const fixtures::Display& display = fixtures::shown_at(rig, i);
     if (!fixtures::shows_film(display)) continue;
     const auto same = std::find_if(videos.feeds_.begin(), videos.feeds_.end(), [&](const Feed& feed) {
-      return same_film(rig.displays[feed.displays.front()], display);
+      return same_film(fixtures::shown_at(rig, feed.displays.front()), display);
     });
     if (same != videos.feeds_.end()) {
       same->displays.push_back(i);
@@ -30,7 +30,8 @@ Result<DisplayVideos> DisplayVideos::open(const fixtures::Rig& rig, ClipPace pac
     }
     auto feed = ClipFeed::open(display, pace);
     if (!feed) {
-      return fail(feed.error().code, "[[display]] {}: video: {}", display.name, feed.error().message);
+      return fail(feed.error().code, "[[{}]] {}: video: {}", display.type >= 0 ? "projector" : "display", display.name,
+                  feed.error().message);
     }
     videos.feeds_.push_back({std::move(*feed), display.video->path, {i}, nullptr, false});
   }
@@ -79,21 +80,25 @@ std::vector<std::string> DisplayVideos::take_news() {
 }
 
 bool same_videos(const fixtures::Rig& a, const fixtures::Rig& b) {
-  for (std::size_t i = 0; i < std::max(a.displays.size(), b.displays.size()); ++i) {
+  if (a.displays.size() != b.displays.size() && !(a.projections.empty() && b.projections.empty())) return false;
+  for (std::size_t i = 0; i < std::max(fixtures::shown_count(a), fixtures::shown_count(b)); ++i) {
     const auto is_film = [&](const fixtures::Rig& rig) {
-      return i < rig.displays.size() && fixtures::shows_film(rig.displays[i]);
+      return i < fixtures::shown_count(rig) && fixtures::shows_film(fixtures::shown_at(rig, i));
     };
-    if (is_film(a) != is_film(b) || (is_film(a) && !same_film(a.displays[i], b.displays[i]))) return false;
+    if (is_film(a) != is_film(b)) return false;
+    if (is_film(a) && !same_film(fixtures::shown_at(a, i), fixtures::shown_at(b, i))) return false;
   }
   return true;
 }
 
 Status hold_videos(fixtures::Rig& rig, DurationNs show_ns) {
-  for (fixtures::Display& display : rig.displays) {
-    if (!fixtures::shows_film(display)) continue;
-    FL_ASSIGN(const auto feed, ClipFeed::open(display, ClipPace::kExact));
-    FL_ASSIGN(const ClipLight light, feed->at(show_ns));
-    display.image = light.pixels;
+  for (std::vector<fixtures::Display>* const all : {&rig.displays, &rig.projections}) {
+    for (fixtures::Display& display : *all) {
+      if (!fixtures::shows_film(display)) continue;
+      FL_ASSIGN(const auto feed, ClipFeed::open(display, ClipPace::kExact));
+      FL_ASSIGN(const ClipLight light, feed->at(show_ns));
+      display.image = light.pixels;
+    }
   }
   return {};
 }

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "fixtures/displays/pixel_slots.h"
+#include "fixtures/projectors/projector.h"
 #include "fixtures/simulate/machines.h"
 #include "render/frame.h"
 #include "render/reference/report.h"
@@ -154,6 +155,7 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
     scene.levels.assign(hand.levels().begin(), hand.levels().end());
     if (watch) watch->step(scene.levels, at_ns);
   }
+  fixtures::hold_projections(scene.rig, scene.compiled, scene.levels);
   if (watch) {
     air = watch->report(scene.rig.room);
     scene.rig.haze.scattering_per_m += air->haze_per_m + air->fog_per_m;
