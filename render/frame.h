@@ -238,6 +238,7 @@ class Frame {
   Resources resources_;
   MirrorPlane mirror_plane_;
   std::unique_ptr<Mirror> mirror_;  // null: nothing mirrors
+  Frame* owner_ = nullptr;  // of a frame beside another one
   DisplayFilms films_;
   ScreenLights screens_;
   PassList entries_;  // those that the rig and the settings need are in passes_

@@ -49,6 +49,7 @@ void Frame::compile_ahead(const FrameSettings& requested) {
 
 Result<std::unique_ptr<Frame>> Frame::create_beside(Frame& owner, const FrameSettings& settings) {
   std::unique_ptr<Frame> frame(new Frame(owner.device_, owner.entries_, &owner.resources_.rig));
+  frame->owner_ = &owner;
   frame->needs_ = owner.needs_;
   frame->haze_ = owner.haze_;
   frame->ambient_lx_ = owner.ambient_lx_;

@@ -99,6 +99,7 @@ Result<FrameState> Frame::save_state() {
   FL_TRY(run_steps());
   FrameState state;
   state.time_ns = time_ns_;
+  state.newest = newest_;
   if (machines_) state.air = machines_->air();
   const auto buffers = state_buffers();
   FL_ASSIGN(const VkDeviceSize bytes, prepare(device_, resources_.rig, buffers, state_bytes_));
@@ -118,6 +119,7 @@ Status Frame::load_state(const FrameState& state) {
   FL_ASSIGN(const VkDeviceSize bytes, prepare(device_, resources_.rig, buffers, state_bytes_));
   FL_CHECK_EQ(state.heads.size(), bytes);
   time_ns_ = state.time_ns;
+  newest_ = state.newest;
   resources_.rig.has_probe_light = false;  // it is of the state from before
   if (machines_) machines_->set_air(state.air);
   if (bytes == 0) return {};

@@ -14,8 +14,10 @@ struct FrameState {
   std::vector<std::byte> heads;
   fixtures::MachineAir::Air air;
   std::int64_t time_ns = 0;  // of all steps so far: clouds of haze drift by it
+  // universes x 512 bytes, for what the host draws of them: pixel maps of projectors, dimmers of screens.
+  std::vector<std::uint8_t> newest;
   [[nodiscard]] std::size_t bytes() const {
-    return heads.size() + air.plumes.size() * sizeof(fixtures::Plume) + sizeof(*this);
+    return heads.size() + newest.size() + air.plumes.size() * sizeof(fixtures::Plume) + sizeof(*this);
   }
 };
 

@@ -149,28 +149,31 @@ Status GoboFilms::create(vk::Device& device, const MemoryShape& shape, const Rig
     const auto& images = shape.compiled.images;
     const auto own = std::find_if(images.begin(), images.end(),
                                   [&](const fixtures::ImageSource& image) { return image.files == type.files; });
-    if (own == images.end()) {  // its beam shows none
-      films_.clear();
-      return {};
+    film.has_layer = own != images.end();
+    if (film.has_layer) {
+      film.layer = static_cast<std::uint32_t>(own - images.begin());
+      film.staged = bytes;
+      film.pixels = display.image;
+      bytes += film_texels({}, glm::vec3(1), film.part, size_px_).texels.size();
     }
-    film.layer = static_cast<std::uint32_t>(own - images.begin());
-    film.staged = bytes;
-    film.pixels = display.image;
-    bytes += film_texels({}, glm::vec3(1), film.part, size_px_).texels.size();
     films_.push_back(std::move(film));
+  }
+  if (bytes == 0) {
+    films_.clear();
+    return {};
   }
   FL_ASSIGN(staged_, vk::Buffer::host_visible(device, bytes, 0));
   return {};
 }
 
 void GoboFilms::show(std::size_t projection, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
-  if (projection < films_.size()) films_[projection].pixels = pixels;
+  if (projection < films_.size() && films_[projection].has_layer) films_[projection].pixels = pixels;
 }
 
 void GoboFilms::record(VkCommandBuffer commands, const RigTables& rig, std::span<const std::uint8_t> levels) {
   bool any = false;
   for (Film& film : films_) {
-    if (film.display.map) {
+    if (film.display.map && film.has_layer) {
       auto pixels = std::make_shared<fixtures::PaneImage>(fixtures::map_pixels(film.display, universes_, levels));
       if (pixels->texels != film.shown) {
         film.shown = pixels->texels;

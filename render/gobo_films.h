@@ -50,6 +50,7 @@ class GoboFilms {
   struct Film {
     fixtures::Display display;
     fixtures::GoboPart part;
+    bool has_layer = false;  // a beam shows it
     std::uint32_t layer = 0;
     VkDeviceSize staged = 0;                            // bytes, in staged_
     std::shared_ptr<const fixtures::PaneImage> pixels;  // new ones; else null

@@ -241,6 +241,12 @@ TEST_CASE("a projector whose picture changes throws what one with an image of th
     }
     CHECK(difference(drawn(*frame, scene), seed == 1 ? first : second) < 0.01);
   }
+  // They are those of a state that is loaded, whatever levels came in between.
+  const FrameState kept = must(frame->save_state());
+  frame->step(std::vector<std::uint8_t>(scene.levels.size(), 255), kNsPerMs, true);
+  must(frame->load_state(kept));
+  must(frame->draw(view_of(scene.rig.cameras[0]), 5));
+  CHECK(difference(must(frame->read_radiance()).rgb, first) < 0.01);
   // Pixels from a video.
   scene = projector_scene();
   scene.rig.projections.at(0).map.reset();

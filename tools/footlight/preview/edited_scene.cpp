@@ -125,8 +125,8 @@ Status EditedScene::remake(std::vector<int> ids, std::uint64_t revision, const S
   SharedScene next =
       free != held_.end() ? *free : std::make_shared<PreviewScene>(PreviewScene{base_, {}, {}, types_, 0, {}, {}});
   next->rig.fixtures = file_.rig().fixtures;
-  fixtures::place_screens(next->rig);
   if (std::exchange(next->types, types_) != types_) next->rig.types = base_.types;
+  fixtures::place_screens(next->rig);
   next->revision = revision;
   next->ids = std::move(ids);
   for (std::size_t i = next->ids.size(); i < next->rig.fixtures.size(); ++i) next->ids.push_back(static_cast<int>(i));
