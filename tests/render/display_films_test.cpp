@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "fixtures/displays/screens.h"
+#include "fixtures/gobos/gobo_images.h"
 #include "fixtures/model/srgb.h"
 #include "fixtures/projectors/projector.h"
 #include "fixtures/simulate/walker.h"
@@ -274,6 +275,37 @@ TEST_CASE("texels of a film are means over the picture, with levels that are mea
   CHECK(film.levels[1].columns == 2);  // texels 0 and 1, and rows 1 and 2, of four a side
   CHECK(texel(1, 0, 1) == glm::vec3(code(2.0 / 12), code(1.0 / 12), 0));
   CHECK(texel(3, 0, 0) == glm::vec3(code(4.0 / 3 / 64), code(4.0 / 3 / 64), code(4.0 / 3 / 64)));
+}
+
+TEST_CASE("texels of a film are where those of an image that stands are, to a part of a texel") {
+  fixtures::Projector projector;
+  projector.lens_shift = {0.13, -0.31};
+  const auto picture = blocks_of(5);
+  const fixtures::ImageSource source{fixtures::projector_files(projector, picture),
+                                     std::string(fixtures::kProjectorImage), false, true};
+  const fixtures::GoboPart part =
+      fixtures::picture_part(fixtures::projected_frame(projector), fixtures::kProjectorGoboPx);
+  for (const int size_px : {1024, 512, 128}) {
+    CAPTURE(size_px);
+    const std::vector<float> still = must(fixtures::gobo_texels(source, size_px, 0.1));
+    const FilmTexels film = film_texels(*picture, glm::vec3(1), part, size_px);
+    const FilmLevel& level = film.levels.at(0);
+    double worst = 0;
+    for (int y = 0; y < size_px; ++y) {
+      for (int x = 0; x < size_px; ++x) {
+        const bool within = y >= level.top && y < level.top + level.rows && x >= level.left &&
+                            x < level.left + level.columns;
+        const auto at = static_cast<std::size_t>(4 * ((y - level.top) * level.columns + x - level.left));
+        for (std::size_t c = 0; c < 3; ++c) {
+          const float code = within ? static_cast<float>(film.texels.at(at + c)) : 0.0f;
+          const float light = still[3 * static_cast<std::size_t>(y * size_px + x) + c];
+          worst = std::max<double>(worst, std::abs(fixtures::linear_of_srgb(code / 255) - light));
+        }
+      }
+    }
+    // 0.008 is a code where the curve is steepest.
+    CHECK(worst < 0.01);
+  }
 }
 
 TEST_CASE("the texels of a picture of a projector are at most 1.6 MB with all levels of detail") {
