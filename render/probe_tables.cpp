@@ -67,8 +67,8 @@ void reach_walls(const std::vector<fixtures::StageBox>& boxes, ReflectionProbe& 
   }
 }
 
-// A display before a wall is what is looked at there: the side goes to its face. Left alone are those that are small, or
-// askew, or farther from the side.
+// A display before a wall is what is looked at there: the side goes to its face. Left alone are those that are small,
+// or askew, or farther from the side.
 void reach_displays(const std::vector<fixtures::Display>& displays, ReflectionProbe& probe) {
   constexpr double kLeastM2 = 2, kBeforeWallM = 2, kStraight = 0.98;
   const dvec3 low = probe.min_m, high = probe.max_m, middle = 0.5 * (low + high);

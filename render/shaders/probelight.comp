@@ -2,9 +2,9 @@
 // What reflection probes see: a thread has a texel of level 0 of a probe. Its rays end at the first stage box or solid
 // of scenery. They get what that reflects of each beam there, of the light that the bounce pass has found between its
 // patches, and of even light; and on the way the light of beams in the haze. A ray that meets a lit display before that
-// ends there. Not in the map are lenses, lasers, panes, and light of displays in the air and on surfaces: what surfaces
-// with sheen show of lenses are highlights (surfaces.comp). The bits of a texel's number in reverse are its place in the
-// order, so that a part of a map is spread over all directions.
+// ends there. Not in the map are lenses, lasers, panes, and light of displays in the air and on surfaces: what
+// surfaces with sheen show of lenses are highlights (surfaces.comp). The bits of a texel's number in reverse are its
+// place in the order, so that a part of a map is spread over all directions.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #define FL_USE_BEAMS

@@ -353,8 +353,8 @@ TEST_CASE("a shiny floor mirrors a lit display as rays from the floor find it, w
   JudgeScene judge = judge_scene(scene.rig, walker);
   const auto judged = [&](int rays) {
     judge.sheen_rays = rays;
-    return judge_image(judge, view_of(scene.rig.cameras[0]), kWidth, kHeight, {.tolerance = 1e-2, .stated_error = false})
-        .rgb;
+    const JudgeOptions options{.tolerance = 1e-2, .stated_error = false};
+    return judge_image(judge, view_of(scene.rig.cameras[0]), kWidth, kHeight, options).rgb;
   };
   const std::vector<double> all = judged(128), none = judged(0);
   double sum = 0, expected_sum = 0, error = 0, square = 0;
