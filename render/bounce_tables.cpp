@@ -67,6 +67,8 @@ BounceSolidRow row_of(const SolidBox& solid) {
     row.dual[i] = vec4(dual, volume != 0 ? -glm::dot(dual, solid.center_m) : 2.0);
   }
   std::fill(std::begin(row.first), std::end(row.first), FL_NONE);
+  const glm::uvec3 albedo(glm::clamp(solid.albedo, 0.0, 1.0) * 1023.0 + 0.5);
+  std::fill(std::begin(row.count), std::end(row.count), FL_BOUNCE_ALBEDO(albedo.x, albedo.y, albedo.z));
   return row;
 }
 

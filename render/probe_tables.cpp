@@ -67,6 +67,25 @@ void reach_walls(const std::vector<fixtures::StageBox>& boxes, ReflectionProbe& 
   }
 }
 
+// A display before a wall is what is looked at there: the side goes to its face. Left alone are those that are small,
+// or askew, or farther from the side.
+void reach_displays(const std::vector<fixtures::Display>& displays, ReflectionProbe& probe) {
+  constexpr double kLeastM2 = 2, kBeforeWallM = 2, kStraight = 0.98;
+  const dvec3 low = probe.min_m, high = probe.max_m, middle = 0.5 * (low + high);
+  for (const fixtures::Display& display : displays) {
+    if (display.width_m * display.height_m < kLeastM2 || !(display.nits > 0)) continue;
+    const dvec3 front = -dvec3(fixtures::pose_of(display)[1]), at = display.position_m;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (front[axis] > kStraight && at[axis] < middle[axis] && std::abs(at[axis] - low[axis]) < kBeforeWallM) {
+        probe.min_m[axis] = std::max(probe.min_m[axis], at[axis]);
+      }
+      if (-front[axis] > kStraight && at[axis] > middle[axis] && std::abs(at[axis] - high[axis]) < kBeforeWallM) {
+        probe.max_m[axis] = std::min(probe.max_m[axis], at[axis]);
+      }
+    }
+  }
+}
+
 ReflectionProbe own_probe(const fixtures::Rig& rig, const std::vector<SolidBox>& solids) {
   ReflectionProbe probe;
   probe.min_m = dvec3(std::numeric_limits<double>::max());
@@ -87,6 +106,7 @@ ReflectionProbe own_probe(const fixtures::Rig& rig, const std::vector<SolidBox>&
     for (const fixtures::StageBox& box : rig.boxes) add(box.min_m, box.max_m);
   }
   reach_walls(rig.boxes, probe);
+  reach_displays(rig.displays, probe);
   return probe;
 }
 

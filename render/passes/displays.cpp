@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "render/passes/compute_pass.h"
+#include "render/passes/display_cells.h"
 #include "shaders/displaycells.comp.h"
 #include "shaders/displaylists.comp.h"
 #include "shaders/displaynodes.comp.h"
@@ -21,11 +22,11 @@ class DisplaysPass final : public Pass {
   // Without records each pixel is computed by itself: tiles, lists and nodes are null. Without displays that move poses
   // is null.
   struct Steps {
-    BoundPipeline poses, cells, tiles, lists, nodes, light, pixels;
+    DisplayCells cells;
+    BoundPipeline poses, tiles, lists, nodes, light, pixels;
   };
   DisplaysPass(const PassContext& context, Steps steps, bool has_records)
       : rig_(context.resources.rig),
-        still_(rig_.display_still),
         supertiles_x_(context.resources.picture.supertiles_x),
         supertiles_y_(context.resources.picture.supertiles_y),
         tiles_x_(tile_groups(context.settings.width)),
@@ -36,12 +37,7 @@ class DisplaysPass final : public Pass {
 
   void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
     record_moves(commands);
-    if (!std::exchange(rig_.display_cells_fresh, true)) {
-      record_jobs(commands, still_);
-      still_.clear();  // images stay
-      if (std::exchange(rig_.display_films_new, false)) record_jobs(commands, rig_.display_film);
-      record_jobs(commands, rig_.display_live);
-    }
+    steps_.cells.record(commands);
     if (has_records_) record_nodes(commands);
     steps_.light.bind(commands);
     vkCmdDispatch(commands, tiles_x_, tiles_y_, 1);
@@ -80,18 +76,8 @@ class DisplaysPass final : public Pass {
     }
     if (!rig_.display_moves.empty()) vk::full_barrier(commands);
   }
-  // Each level is made of the one below.
-  void record_jobs(VkCommandBuffer commands, const DisplayJobs& jobs) {
-    for (const DisplayJobRange& range : jobs) {
-      steps_.cells.bind(commands);
-      steps_.cells.pipeline->push(commands, std::as_bytes(std::span(&range.first, 1)));
-      vkCmdDispatch(commands, range.count, 1, 1);
-      vk::full_barrier(commands);
-    }
-  }
 
-  RigTables& rig_;
-  DisplayJobs still_;
+  const RigTables& rig_;
   std::uint32_t supertiles_x_, supertiles_y_, tiles_x_, tiles_y_;
   bool has_records_;
   VkBuffer records_;
@@ -120,11 +106,11 @@ const PassEntry kDisplaysPass{
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       const bool haze = has_constant(context, FL_SPEC_HAZE), records = has_constant(context, FL_SPEC_TILES);
       const auto begin = [&](vk::Spirv spirv) { return BoundPipeline::compute(context, spirv, context.constants); };
-      DisplaysPass::Steps steps;
+      FL_ASSIGN(DisplayCells cells, DisplayCells::create(context));
+      DisplaysPass::Steps steps{.cells = std::move(cells)};
       if (!context.resources.rig.display_moves.empty()) {
         FL_ASSIGN(steps.poses, BoundPipeline::compute(context, kDisplayposesComp, {}));
       }
-      FL_ASSIGN(steps.cells, BoundPipeline::compute(context, kDisplaycellsComp, {}));
       if (records) {
         FL_ASSIGN(steps.tiles, begin(kDisplaytilesComp));
         FL_ASSIGN(steps.lists, begin(kDisplaylistsComp));

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "render/passes/compute_pass.h"
+#include "render/passes/display_cells.h"
+#include "shaders/displaycells.comp.h"
 #include "shaders/probelevels.comp.h"
 #include "shaders/probelight.comp.h"
 
@@ -18,11 +20,13 @@ struct ProbePush {
 
 class ProbesPass final : public Pass {
  public:
-  ProbesPass(BoundPipeline light, BoundPipeline levels, RigTables& rig, std::uint32_t texels)
-      : light_(std::move(light)), levels_(std::move(levels)), rig_(rig), texels_(texels) {}
+  ProbesPass(BoundPipeline light, BoundPipeline levels, DisplayCells cells, RigTables& rig,
+             std::uint32_t texels)
+      : light_(std::move(light)), levels_(std::move(levels)), cells_(std::move(cells)), rig_(rig), texels_(texels) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
     if (rig_.probe_count == 0) return;
+    cells_.record(commands);
     ProbePush push{rig_.probe_next, texels_};
     if (!rig_.has_probe_light || texels_ == FL_PROBE_TEXELS) push = {0, FL_PROBE_TEXELS};
     rig_.has_probe_light = true;
@@ -37,6 +41,7 @@ class ProbesPass final : public Pass {
 
  private:
   BoundPipeline light_, levels_;
+  DisplayCells cells_;  // nothing to do without displays
   RigTables& rig_;
   std::uint32_t texels_;
 };
@@ -57,11 +62,12 @@ const PassEntry kProbesPass{
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       FL_ASSIGN(BoundPipeline light, BoundPipeline::compute(context, kProbelightComp, context.constants));
       FL_ASSIGN(BoundPipeline levels, BoundPipeline::compute(context, kProbelevelsComp, {}));
-      return std::unique_ptr<Pass>(new ProbesPass(std::move(light), std::move(levels), context.resources.rig,
-                                                  context.settings.probe_texels));
+      FL_ASSIGN(DisplayCells cells, DisplayCells::create(context));
+      return std::unique_ptr<Pass>(new ProbesPass(std::move(light), std::move(levels), std::move(cells),
+                                                  context.resources.rig, context.settings.probe_texels));
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kProbelightComp}, {kProbelevelsComp}};
+      return std::vector<std::vector<vk::Spirv>>{{kProbelightComp}, {kProbelevelsComp}, {kDisplaycellsComp}};
     },
     "what shiny floors, trusses and metals mirror",
     nullptr,

@@ -1,9 +1,10 @@
 #version 460
 // What reflection probes see: a thread has a texel of level 0 of a probe. Its rays end at the first stage box or solid
 // of scenery. They get what that reflects of each beam there, of the light that the bounce pass has found between its
-// patches, and of even light; and on the way the light of beams in the haze. Not that of lenses, displays, lasers and
-// panes: what surfaces with sheen show of lenses are highlights (surfaces.comp). The bits of a texel's number in
-// reverse are its place in the order, so that a part of a map is spread over all directions.
+// patches, and of even light; and on the way the light of beams in the haze. A ray that meets a lit display before that
+// ends there. Not in the map are lenses, lasers, panes, and light of displays in the air and on surfaces: what
+// surfaces with sheen show of lenses are highlights (surfaces.comp). The bits of a texel's number in reverse are its
+// place in the order, so that a part of a map is spread over all directions.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #define FL_USE_BEAMS
@@ -29,6 +30,8 @@ layout(constant_id = FL_SPEC_AIR) const bool kAir = true;
 #include "render/shaders/lib/air_light.glsl"
 #include "render/shaders/lib/bounce_rays.glsl"
 #include "render/shaders/shared/probe.h"
+#define FL_CELLS_ACCESS readonly
+#include "render/shaders/lib/display_cells.glsl"
 
 layout(local_size_x = FL_GROUP_PROBES) in;
 layout(push_constant) uniform Push { uint first; uint count; } push;  // places in the order
@@ -74,9 +77,15 @@ Seen look(vec3 from, vec3 way, out float t, out vec3 light) {
   uint solid = bounce_hit(from, way, 0.0, FL_FAR_M, false, t, face);
   Seen seen = Seen(vec3(0.0), vec3(0.0, 0.0, 1.0), vec3(0.0));
   light = vec3(0.0);
-  uint first = solid != FL_NONE ? solids[solid].first[face] : FL_NONE;
-  if (first == FL_NONE) return seen;
+  if (solid == FL_NONE) return seen;
+  uint first = solids[solid].first[face];
   uint axis = face >> 1;
+  if (first == FL_NONE) {  // people, tubes of trusses: without light from other surfaces
+    vec3 normal = normalize(solids[solid].dual[axis].xyz) * ((face & 1u) != 0u ? 1.0 : -1.0);
+    vec3 albedo = vec3((uvec3(solids[solid].count[face]) >> uvec3(20, 10, 0)) & 1023u) / 1023.0;
+    light = albedo / kPi * (params.ambient_lx + params.work_lx) * work_light(normal, way);
+    return Seen(from + t * way - params.position.xyz, normal, albedo);
+  }
   vec4 dual_u = solids[solid].dual[(axis + 1u) % 3u];
   vec4 dual_v = solids[solid].dual[(axis + 2u) % 3u];
   vec3 place = from + t * way;
@@ -85,6 +94,32 @@ Seen look(vec3 from, vec3 way, out float t, out vec3 light) {
   vec2 at = 0.5 + 0.5 * vec2(dot(dual_u.xyz, place) + dual_u.w, dot(dual_v.xyz, place) + dual_v.w);
   light = even_light(first, solids[solid].count[face], at, seen.albedo, work_light(seen.normal, way));
   return seen;
+}
+
+// The mean of the pixels of the nearest display that a ray meets from its front before t, which becomes its distance;
+// below 0: it meets none. The ray stands for kFoot around it.
+const float kFoot = 0.028;   // of the distance: half of a texel
+const float kCaseM = 1e-3;   // what stands for a display is so little before it at most
+vec3 display_seen(vec3 from, vec3 way, inout float t) {
+  vec3 light = vec3(-1.0);
+  for (uint i = 0u; i < uint(displays.length()); ++i) {
+    DisplayRow row = displays[i];
+    vec3 eye = in_display(row, from - row.center.xyz);
+    vec3 toward = in_display(row, way);
+    vec2 half_m = vec2(row.right.w, row.down.w);
+    if (!(eye.z > 0.0 && toward.z < -1e-6 && min(half_m.x, half_m.y) > 0.0)) continue;
+    float at_m = eye.z / -toward.z;
+    vec2 at = eye.xy + toward.xy * at_m;
+    if (at_m > t + kCaseM || any(greaterThanEqual(abs(at), half_m))) continue;
+    vec2 size = vec2(row.columns, row.rows);
+    vec2 scale = 0.5 * size / half_m;  // pixels a metre
+    vec2 foot = kFoot * at_m * inversesqrt(-toward.z) * scale;
+    vec2 low = clamp(at * scale + 0.5 * size - 0.5 * foot, vec2(0.0), size);
+    vec2 high = clamp(at * scale + 0.5 * size + 0.5 * foot, vec2(0.0), size);
+    light = row.light.rgb * covered(row, low, high) / max((high.x - low.x) * (high.y - low.y), 1e-12);
+    t = at_m;
+  }
+  return light;
 }
 
 // Light of a beam in the haze along a ray from a place, that is `center` from the camera, over sigma_s.
@@ -112,7 +147,13 @@ void main() {
     vec2 aside = vec2(i & 1u, i >> 1) * 0.5 - 0.25;
     float t;
     vec3 even;
-    seen[i] = look(from, normalize(probe_way((at + aside) / float(side))), t, even);
+    vec3 way = normalize(probe_way((at + aside) / float(side)));
+    seen[i] = look(from, way, t, even);
+    vec3 shown = display_seen(from, way, t);
+    if (shown.r >= 0.0) {
+      seen[i].albedo = vec3(0.0);
+      even = shown;
+    }
     left[i] = (kExtinction ? exp(-medium.extinction_per_m * t) : 1.0) / float(kRays);
     light += left[i] * even;
     far_m = max(far_m, t);

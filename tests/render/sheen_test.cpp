@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -319,6 +320,89 @@ TEST_CASE("a shiny floor mirrors wall and beams as rays from the floor find them
   }
 }
 
+TEST_CASE("a shiny floor mirrors a lit display as rays from the floor find it, within a third, and none from behind") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = probed_scene({0.2, 0});
+  without_haze(scene);
+  scene.rig.ambient_lx = 0;
+  fixtures::Display wall;
+  wall.position_m = {0.5, 8.95, 2.4};
+  wall.width_m = 6;
+  wall.height_m = 3;
+  wall.nits = 500;
+  wall.color = {1, 0.3, 0.1};
+  wall.columns = 12;
+  wall.rows = 6;
+  scene.rig.displays.push_back(wall);
+  const auto mirrored_by = [&](const Scene& of) {
+    const auto frame = make_frame(vulkan.device(), of, probe_settings(true));
+    const RadianceImage with = draw(*frame, of);
+    CHECK(draw(*frame, of).rgb == with.rgb);
+    must(frame->change(probe_settings(false)));
+    return minus(with.rgb, draw(*frame, of).rgb);
+  };
+  const auto dark = [](Scene& of) {
+    of.compile();
+    for (std::size_t i = 0; i < of.rig.fixtures.size(); ++i) of.set(i, "Dimmer", 0);
+  };
+  dark(scene);
+  const std::vector<double> mirrored = mirrored_by(scene);
+  fixtures::f64::Walker walker(scene.compiled);
+  walker.step(scene.levels, 0);
+  JudgeScene judge = judge_scene(scene.rig, walker);
+  const auto judged = [&](int rays) {
+    judge.sheen_rays = rays;
+    const JudgeOptions options{.tolerance = 1e-2, .stated_error = false};
+    return judge_image(judge, view_of(scene.rig.cameras[0]), kWidth, kHeight, options).rgb;
+  };
+  const std::vector<double> all = judged(128), none = judged(0);
+  double sum = 0, expected_sum = 0, error = 0, square = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double expected = all[i] - none[i];
+    sum += mirrored[i];
+    expected_sum += expected;
+    error += (mirrored[i] - expected) * (mirrored[i] - expected);
+    square += expected * expected;
+  }
+  print_error("probes, a display: of mirrored light", std::sqrt(error / square));
+  print_error("probes, a display: sum over that of the rays", sum / expected_sum);
+  CHECK(std::sqrt(error / square) < 0.34);  // a texel is 3 degrees wide; lavapipe gave 0.28
+  CHECK(std::abs(sum / expected_sum - 1) < 0.15);
+  scene.rig.displays[0].rotation_deg = {0, 0, 180};
+  dark(scene);
+  double behind = 0;
+  for (const double light : mirrored_by(scene)) behind += std::abs(light);
+  CHECK(behind < 0.01 * std::abs(sum));
+}
+
+TEST_CASE("a shiny floor mirrors a person in a bright coat brighter than one in a black coat") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = probed_scene({0.2, 0});
+  without_haze(scene);
+  fixtures::Scenery person = fixtures::default_scenery(fixtures::SceneryKind::kPerson);
+  person.position_m = {0, 4, 0};
+  const auto mirrored = [&](double albedo) {
+    person.albedo = glm::dvec3(albedo);
+    scene.rig.scenery = {person};
+    const std::vector<std::uint8_t> levels = scene.levels;
+    scene.compile();
+    scene.levels = levels;
+    FrameSettings settings = probe_settings(true);
+    settings.bodies = true;
+    const auto frame = make_frame(vulkan.device(), scene, settings);
+    const RadianceImage with = draw(*frame, scene);
+    settings.probes = false;
+    must(frame->change(settings));
+    const std::vector<double> light = minus(with.rgb, draw(*frame, scene).rgb);
+    return std::accumulate(light.begin(), light.end(), 0.0);
+  };
+  const double bright = mirrored(0.9), black = mirrored(0);
+  print_error("probes, a person in a bright coat over one in black", bright / black);
+  CHECK(bright > 1.001 * black);
+}
+
 TEST_CASE("what a floor mirrors is the same to the bit in each picture, and late where a picture has a part of a map") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
@@ -400,6 +484,16 @@ TEST_CASE("a rig with a shiny floor has a probe of its own, out to its floor and
   }
   CHECK(own[0].min_m.x == std::max(low_x, left - 10));
   CHECK(own[0].max_m.x == std::min(high_x, right + 10));
+  // A display before a wall is where the box ends, unless it shines to the wall.
+  fixtures::Display display;
+  display.position_m = {0, 8.25, 3};
+  display.width_m = 4;
+  display.height_m = 2;
+  scene.rig.displays = {display};
+  CHECK(scene_probes(scene.rig)[0].max_m.y == 8.25);
+  scene.rig.displays[0].rotation_deg = {0, 0, 180};
+  CHECK(scene_probes(scene.rig)[0].max_m.y == 9);
+  scene.rig.displays.clear();
   // Where its middle is inside something it stands above that.
   const glm::dvec3 middle = *own[0].position_m;
   scene.rig.boxes.push_back({"tower", {middle.x - 1, middle.y - 1, 0}, {middle.x + 1, middle.y + 1, middle.z + 0.5}});

@@ -38,3 +38,35 @@ DisplayCell read_cell(DisplayRow row, uint level, uvec2 at) {
   return DisplayCell(uintBitsToFloat(uvec3(cells[word], cells[word + 1u], cells[word + 2u])), vec3(a, b.x),
                      vec3(b.y, c));
 }
+
+vec3 in_display(DisplayRow row, vec3 v) {
+  return vec3(dot(row.right.xyz, v), dot(row.down.xyz, v), dot(row.front.xyz, v));
+}
+
+const uint kCellsMost = 32u;  // that a pixel of the picture averages
+// The sum of the light of the cells that a rectangle covers, in pixels of the display.
+vec3 covered(DisplayRow row, vec2 low, vec2 high) {
+  uint level = 0u;
+  vec2 cell = vec2(1.0);
+  for (; level + 1u < row.levels; ++level) {
+    uvec2 shift = halvings(row, uint(FL_DISPLAY_PARTS) + level) - halvings(row, FL_DISPLAY_PARTS);
+    cell = vec2(uvec2(1u) << shift);
+    vec2 count = (high - low) / cell + 1.0;
+    if (count.x * count.y <= float(kCellsMost)) break;
+  }
+  uvec2 shift = halvings(row, uint(FL_DISPLAY_PARTS) + level) - halvings(row, FL_DISPLAY_PARTS);
+  cell = vec2(uvec2(1u) << shift);
+  vec2 size = vec2(row.columns, row.rows);
+  uvec2 first = uvec2(low / cell);
+  uvec2 last = uvec2(min(high, size - 0.001) / cell);
+  vec3 sum = vec3(0.0);
+  for (uint y = first.y; y <= last.y; ++y) {
+    for (uint x = first.x; x <= last.x; ++x) {
+      vec2 begin = max(vec2(x, y) * cell, low);
+      vec2 end = min(min(vec2(x + 1u, y + 1u) * cell, size), high);
+      vec2 area = max(end - begin, 0.0);
+      sum += read_cell(row, level, uvec2(x, y)).mean * (area.x * area.y);
+    }
+  }
+  return sum;
+}

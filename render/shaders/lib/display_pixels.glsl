@@ -3,13 +3,9 @@ layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_DETAIL) const bool kDetail = true;  // means over pixels of the picture
 
 const float kPlane = 1e-5;       // of the distance: surfaces of one plane are off it by no more
-const uint kCellsMost = 32u;     // that a pixel of the picture averages
 const float kThinPx = 2.0;       // a display thinner than this is drawn by the share of pixels that it covers
 const float kCaseM = 1e-3;       // half of what its case is behind it
 
-vec3 in_display(DisplayRow row, vec3 v) {
-  return vec3(dot(row.right.xyz, v), dot(row.down.xyz, v), dot(row.front.xyz, v));
-}
 float extinction() { return kExtinction ? params.position.w : 0.0; }
 
 // The unit ray through a pixel's middle, and what it changes by a pixel to the right and down.
@@ -70,33 +66,6 @@ ShownPart shown_part(DisplayRow row, PixelRay ray) {
 
 // end_m: where the ray ends.
 bool is_hidden(ShownPart part, float end_m) { return part.t_m > end_m * (1.0 + kPlane) + kCaseM; }
-
-// The sum of the light of the cells that a rectangle covers, in pixels of the display.
-vec3 covered(DisplayRow row, vec2 low, vec2 high) {
-  uint level = 0u;
-  vec2 cell = vec2(1.0);
-  for (; level + 1u < row.levels; ++level) {
-    uvec2 shift = halvings(row, uint(FL_DISPLAY_PARTS) + level) - halvings(row, FL_DISPLAY_PARTS);
-    cell = vec2(uvec2(1u) << shift);
-    vec2 count = (high - low) / cell + 1.0;
-    if (count.x * count.y <= float(kCellsMost)) break;
-  }
-  uvec2 shift = halvings(row, uint(FL_DISPLAY_PARTS) + level) - halvings(row, FL_DISPLAY_PARTS);
-  cell = vec2(uvec2(1u) << shift);
-  vec2 size = vec2(row.columns, row.rows);
-  uvec2 first = uvec2(low / cell);
-  uvec2 last = uvec2(min(high, size - 0.001) / cell);
-  vec3 sum = vec3(0.0);
-  for (uint y = first.y; y <= last.y; ++y) {
-    for (uint x = first.x; x <= last.x; ++x) {
-      vec2 begin = max(vec2(x, y) * cell, low);
-      vec2 end = min(min(vec2(x + 1u, y + 1u) * cell, size), high);
-      vec2 area = max(end - begin, 0.0);
-      sum += read_cell(row, level, uvec2(x, y)).mean * (area.x * area.y);
-    }
-  }
-  return sum;
-}
 
 // cd/m^2, of a part that is shown.
 vec3 light_of_part(DisplayRow row, ShownPart part) {

@@ -805,9 +805,11 @@ struct ShadowRow {
 // between -1 and 1. Faces: 2 axis, and 2 axis + 1 for the side at 1.
 struct BounceSolidRow {
   vec4 dual[3];
-  uint first[6];  // patch of each face; FL_NONE: what reaches the face is lost
+  uint first[6];  // patch of each face; FL_NONE: what reaches the face is lost, and its count is
+                  // FL_BOUNCE_ALBEDO(red, green, blue), 0 to 1023 each, of what probes see of it
   uint count[6];  // patches along the axis after that of the face, and << 16 along the next; rows of the former
 };
+#define FL_BOUNCE_ALBEDO(red, green, blue) ((red) << 20 | (green) << 10 | (blue))
 // A rectangle of a face, 80 bytes. Its cells are 4 x 4.
 struct BouncePatchRow {
   vec4 center;  // m; w: area that no other solid covers, m^2
