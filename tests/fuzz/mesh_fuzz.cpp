@@ -39,10 +39,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fixtures::Diagnostics diagnostics;
   // A name with a "p" is that of an image.
   static const auto png = fixtures::png_of(2, 1, 3, std::vector<std::uint8_t>{0, 1, 2, 100, 200, 255});
-  const fixtures::MeshFile beside = [](const std::string& named) -> Result<fixtures::Bytes> {
-    if (named.find_first_of("pP") == std::string::npos) return fail(ErrorCode::kNotFound, "not there");
-    return fixtures::Bytes(png.begin(), png.end());
-  };
+  const fixtures::MeshFiles beside{
+      [](const std::string& named) { return named.find_first_of("pP") == std::string::npos ? std::string() : named; },
+      [](const std::string&) -> Result<fixtures::Bytes> { return fixtures::Bytes(png.begin(), png.end()); }};
+  (void)fixtures::image_names_3ds(std::as_bytes(std::span<const std::uint8_t>(data, size)));
   const auto mesh = fixtures::read_mesh(std::as_bytes(std::span<const std::uint8_t>(data, size)), "fuzz", diagnostics,
                                         nullptr, fixtures::MeshImages::kBaseColor, beside);
   if (!mesh) {
