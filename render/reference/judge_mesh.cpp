@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -47,6 +48,13 @@ std::optional<dvec3> met(const Ray& ray, const dvec3& a, const dvec3& b, const d
 }  // namespace
 
 JudgeMesh::JudgeMesh(fixtures::Mesh mesh) : mesh_(std::move(mesh)) {
+  std::map<const fixtures::RgbImage*, glm::vec3> means;  // materials may share an image
+  for (fixtures::MeshMaterial& material : mesh_.materials) {
+    if (!material.texture) continue;
+    const auto [mean, fresh] = means.try_emplace(material.texture->image.get());
+    if (fresh) mean->second = mean_reflectance(*mean->first);
+    material.albedo *= mean->second;
+  }
   std::vector<fixtures::BodyVertex> corners;
   for (const fixtures::MeshVertex& vertex : mesh_.vertices) {
     const glm::vec3& p = vertex.position_m;

@@ -13,7 +13,8 @@ namespace footlight::render {
 
 class JudgeMesh {
  public:
-  // mesh: in stage space, with at least one material where there are triangles. Its textures count as their colours.
+  // mesh: in stage space, with at least one material where there are triangles. A texture counts as its
+  // mean colour.
   explicit JudgeMesh(fixtures::Mesh mesh);
 
   // The nearest triangle, from either side. The normal is between those of its corners and faces the ray.

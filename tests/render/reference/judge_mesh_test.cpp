@@ -1,7 +1,9 @@
 // What the judge meets beside boxes, and displays with fewer pixels, without a GPU.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -76,6 +78,29 @@ TEST_CASE("the judge meets the triangles of scenery that are nearest, with their
   scene.matt = true;
   scene.boxes.clear();
   CHECK(!judge_hit(scene, {{0, -4, 0.9}, {0, 1, 0}})->sheen);
+}
+
+TEST_CASE("the judge meets a textured triangle with the mean colour of its texture times that of its material") {
+  const auto image = std::make_shared<const fixtures::RgbImage>(fixtures::RgbImage{2, 1, {255, 0, 0, 0, 0, 255}});
+  fixtures::Mesh mesh;
+  mesh.materials.push_back({"print", glm::vec3(1, 1, 0.5F),
+                            std::make_shared<const fixtures::MeshTexture>(fixtures::MeshTexture{image})});
+  mesh.materials.push_back({"plain", glm::vec3(0.25F)});
+  for (const std::uint32_t material : {0u, 1u}) {
+    const float x = 4 * static_cast<float>(material);
+    for (const glm::vec3& at : {glm::vec3(x, 0, 0), glm::vec3(x + 2, 0, 0), glm::vec3(x, 0, 2)}) {
+      mesh.indices.push_back(static_cast<std::uint32_t>(mesh.vertices.size()));
+      mesh.vertices.push_back({at, glm::vec3(0, -1, 0), material});
+    }
+  }
+  const JudgeMesh judge(mesh);
+  const auto color_at = [&](double x) {
+    const auto hit = judge.hit({{x, -1, 0.5}, {0, 1, 0}});
+    REQUIRE(hit);
+    return hit->albedo;
+  };
+  CHECK(color_at(0.5) == dvec3(0.5, 0, 0.25));
+  CHECK(color_at(4.5) == dvec3(0.25));
 }
 
 TEST_CASE("a display with joined pixels lights a place two metres away as its own pixels do, within 2 percent") {
