@@ -137,7 +137,6 @@ FilmTexels film_texels(const fixtures::PaneImage& picture, const glm::vec3& colo
 
 Status GoboFilms::create(vk::Device& device, const MemoryShape& shape, const RigTables& rig) {
   if (shape.rig.projections.empty() || rig.gobos.handle == VK_NULL_HANDLE) return {};
-  universes_ = shape.compiled.universes;
   size_px_ = rig.gobo_px;
   VkDeviceSize bytes = 0;
   for (const fixtures::Display& display : shape.rig.projections) {
@@ -154,6 +153,7 @@ Status GoboFilms::create(vk::Device& device, const MemoryShape& shape, const Rig
       film.layer = static_cast<std::uint32_t>(own - images.begin());
       film.staged = bytes;
       film.pixels = display.image;
+      if (display.map) film.map.emplace(display, shape.compiled.universes);
       bytes += film_texels({}, glm::vec3(1), film.part, size_px_).texels.size();
     }
     films_.push_back(std::move(film));
@@ -173,12 +173,8 @@ void GoboFilms::show(std::size_t projection, const std::shared_ptr<const fixture
 void GoboFilms::record(VkCommandBuffer commands, const RigTables& rig, std::span<const std::uint8_t> levels) {
   bool any = false;
   for (Film& film : films_) {
-    if (film.display.map && film.has_layer) {
-      auto pixels = std::make_shared<fixtures::PaneImage>(fixtures::map_pixels(film.display, universes_, levels));
-      if (pixels->texels != film.shown) {
-        film.shown = pixels->texels;
-        film.pixels = std::move(pixels);
-      }
+    if (film.map) {
+      if (auto pixels = film.map->next(levels)) film.pixels = std::move(pixels);
     }
     if (!film.pixels) continue;
     if (!std::exchange(any, true)) {

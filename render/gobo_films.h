@@ -8,9 +8,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "fixtures/displays/map_film.h"
 #include "fixtures/projectors/projector.h"
 #include "render/resources.h"
 
@@ -54,10 +56,9 @@ class GoboFilms {
     std::uint32_t layer = 0;
     VkDeviceSize staged = 0;                            // bytes, in staged_
     std::shared_ptr<const fixtures::PaneImage> pixels;  // new ones; else null
-    std::vector<glm::vec3> shown;                       // of a map
+    std::optional<fixtures::MapFilm> map;               // of a film that has a layer and a pixel map
   };
   std::vector<Film> films_;  // one each of Rig::projections
-  std::vector<Universe> universes_;
   vk::Buffer staged_;
   int size_px_ = 0;
 };
