@@ -259,9 +259,7 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   upload_params(commands, first, exposure_ev, is_mirrored_ ? mirror_.get() : nullptr);
   mark(commands, "");
   record_levels(commands);
-  Frame& own = owner_ != nullptr ? *owner_ : *this;  // whose levels the heads have
-  own.films_.record(commands, resources_.rig, own.newest_);
-  own.screens_.record(commands, resources_.rig, own.newest_);
+  record_pixels(commands);
   if (!has_solids_ && !draws(kBeamsPass)) clear_radiance(commands);
   if (is_mirrored_) {
     record_passes(commands, true);

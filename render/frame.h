@@ -216,6 +216,7 @@ class Frame {
   void upload_newest(VkCommandBuffer commands);
   void record_steps(VkCommandBuffer commands, bool timed);
   void record_levels(VkCommandBuffer commands);
+  void record_pixels(VkCommandBuffer commands);
   void upload_haze(VkCommandBuffer commands, const View& view, const PlumeField& plumes);
   // mirror: `view` is that of its camera; null: of the frame's own.
   void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev, const Mirror* mirror = nullptr);

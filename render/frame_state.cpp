@@ -85,6 +85,13 @@ void Frame::upload_haze(VkCommandBuffer commands, const View& view, const PlumeF
   if (bytes > 0) vkCmdUpdateBuffer(commands, haze, sizeof(single) + sizeof(rows.head), bytes, rows.puffs.data());
 }
 
+// What displays and projectors show at the levels that the heads have.
+void Frame::record_pixels(VkCommandBuffer commands) {
+  Frame& own = owner_ != nullptr ? *owner_ : *this;
+  own.films_.record(commands, resources_.rig, own.newest_);
+  own.screens_.record(commands, resources_.rig, own.newest_);
+}
+
 // The buffers that the steps write, and the newest levels, which displays show.
 std::vector<const vk::Buffer*> Frame::state_buffers() const {
   std::vector<const vk::Buffer*> states;

@@ -87,8 +87,8 @@ const PassEntry kVrslBeam{"VRSL's beams",
                           },
                           "light in the haze"};
 
-// In place of the product's light of beams in the haze. Lasers, displays and shafts still read the table of haze; tables
-// of gobos would be built for nobody.
+// In place of the product's light of beams in the haze. Lasers, displays and shafts still read the table of haze;
+// tables of gobos have no reader.
 PassList style_passes(const PassList& air) {
   PassList own{&kHazePass};
   own.insert(own.end(), air.begin(), air.end());

@@ -554,7 +554,7 @@ void add(Arguments& arguments) {
                    "error of fixture bodies in pixels, for fewer triangles; 0: whole models [0.5]");
   arguments.option("--gobos", options->gobos, "WORD", "in the air: samples or tables; default: tables on a GPU");
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024,
-                   "samples per beam and pixel where gobos have no tables: wide blurs, several images out of focus [128]");
+                   "samples per beam and pixel without tables of gobos: wide blurs, several images out of focus [128]");
   arguments.option("--gobo-px", options->gobo_px, 64, 2048,
                    "texels a side of gobo images, a power of two; default: 1024 on a GPU where they fit, else 512");
   arguments.option("--edges", options->edges, "WORD",
