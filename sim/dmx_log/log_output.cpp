@@ -113,11 +113,7 @@ class FileOutput final : public LogOutput {
 
   Status finish() override {
     FL_TRY(sync());
-    struct stat info {};
-    // Somebody has deleted the file that is still open here: it is written once more.
-    if (::fstat(fd_, &info) == 0 && info.st_nlink == 0 && !copy_to_new(fd_, size_, part_path_)) {
-      return fail_errno(errno, part_path_, "was deleted and cannot be written again: the recording is lost");
-    }
+    FL_TRY(find_part());
     if (!overwrite_) {
       // Unlike rename(), link() never replaces a file created meanwhile.
       if (::link(part_path_.c_str(), path_.c_str()) == 0) {
@@ -142,6 +138,27 @@ class FileOutput final : public LogOutput {
   const std::string& path() const override { return part_path_; }
 
  private:
+  // The file may have been deleted or renamed while it is open here. A deleted one is written once more.
+  Status find_part() {
+    struct stat own {};
+    struct stat named {};
+    if (::fstat(fd_, &own) != 0) return {};
+    if (own.st_nlink > 0) {
+      const bool there = ::stat(part_path_.c_str(), &named) == 0 && named.st_ino == own.st_ino &&
+                         named.st_dev == own.st_dev;
+      if (there) return {};
+      return fail(ErrorCode::kIo, "{}: was renamed while it was recorded; the recording is complete under its new name",
+                  part_path_);
+    }
+    const std::string deleted = part_path_;
+    for (int number = 1; number <= kPartNamesMax; ++number) {
+      part_path_ = part_name(path_, number);
+      if (copy_to_new(fd_, size_, part_path_)) return {};
+      if (errno != EEXIST) break;
+    }
+    return fail_errno(errno, deleted, "was deleted and cannot be written again: the recording is lost");
+  }
+
   int fd_;
   std::string part_path_;
   std::string path_;

@@ -295,7 +295,7 @@ TEST_CASE("a recording whose .part was deleted has all its frames under its name
   }
 }
 
-TEST_CASE("a recording whose .part was deleted and cannot be written again is lost with that message") {
+TEST_CASE("a recording whose .part was replaced is whole, and the other file stays") {
   const TempFolder folder;
   const std::string path = folder.file("show.dmxlog");
   auto writer = LogWriter::create(path, {});
@@ -303,11 +303,31 @@ TEST_CASE("a recording whose .part was deleted and cannot be written again is lo
   const auto frames = random_frames(1, 50, 2);
   for (const OwnedFrame& frame : frames) REQUIRE(writer->append(frame.view()));
   REQUIRE(std::filesystem::remove(path + ".part"));
-  std::filesystem::create_directory(path + ".part");
+  std::ofstream(path + ".part") << "mine";
+  REQUIRE(writer->close(frames.back().time_ns));
+  auto reader = LogReader::open(path);
+  REQUIRE(reader);
+  CHECK(all_frames(*reader) == frames);
+  CHECK(std::filesystem::file_size(path + ".part") == 4);
+  CHECK(!std::filesystem::exists(path + ".part2"));
+}
+
+TEST_CASE("a recording whose .part was renamed stays there, and the message says so") {
+  const TempFolder folder;
+  const std::string path = folder.file("show.dmxlog");
+  auto writer = LogWriter::create(path, {});
+  REQUIRE(writer);
+  const auto frames = random_frames(1, 50, 2);
+  for (const OwnedFrame& frame : frames) REQUIRE(writer->append(frame.view()));
+  std::filesystem::rename(path + ".part", folder.file("mine"));
   const auto closed = writer->close(frames.back().time_ns);
   REQUIRE(!closed);
-  CHECK(closed.error().message.find(".part: was deleted and cannot be written again: the recording is lost") !=
+  CHECK(closed.error().message.find(".part: was renamed while it was recorded; the recording is complete under its") !=
         std::string::npos);
+  CHECK(!std::filesystem::exists(path));
+  auto reader = LogReader::open(folder.file("mine"));
+  REQUIRE(reader);
+  CHECK(all_frames(*reader) == frames);
 }
 
 TEST_CASE("The error for a missing log names the .part file that was written last, whatever numbers are missing") {

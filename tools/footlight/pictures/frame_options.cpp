@@ -93,7 +93,7 @@ void warn_of_hard_edges(const render::FrameSettings& frame) {
 void add_reflection_arguments(Arguments& arguments, ReflectionWords& words) {
   arguments.option("--bounce", words.bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
   arguments.option("--reflections", words.reflections, "WORD",
-                   "on; off: shiny surfaces show lamps alone, and mirror nothing else of the stage [on]");
+                   "on; off: shiny materials show lamps alone and mirror nothing else; floors with gloss do [on]");
 }
 
 Status take_reflections(const ReflectionWords& words, bool& bounce, bool& probes) {
