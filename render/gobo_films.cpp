@@ -23,6 +23,8 @@ std::uint8_t code_of(float linear) {
     }
     return table;
   }();
+  // Not below 0, so this rounds, and sooner than lround().
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings)
   return kTable[static_cast<std::size_t>(std::clamp(linear, 0.0f, 1.0f) * kCodes + 0.5f)];
 }
 

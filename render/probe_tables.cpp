@@ -138,7 +138,7 @@ std::uint64_t probe_bytes(std::uint32_t binding, const MemoryShape& shape) {
   if (!is_one || !has_probes(shape.needs, shape.settings)) return 0;
   const std::uint64_t probes = std::max<std::size_t>(shape.rig.probes.size(), 1);
   if (binding == FL_BINDING_PROBES) return probes * sizeof(ProbeRow);
-  return (FL_PROBE_SHARES * FL_PROBE_SHARES + probes * FL_PROBE_ALL) * sizeof(vec4);
+  return (std::uint64_t{FL_PROBE_SHARES} * FL_PROBE_SHARES + probes * FL_PROBE_ALL) * sizeof(vec4);
 }
 
 Status make_probe_tables(vk::Device& device, const MemoryShape& shape, fixtures::Diagnostics& diagnostics,

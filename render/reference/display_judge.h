@@ -13,10 +13,10 @@
 
 namespace footlight::render {
 
-// The displays of a rig with the levels of its pixel maps and of the fixtures that dim them: universes x 512 bytes, as
-// the compiled rig orders them; empty: all are 0.
+// The displays of a rig with the levels `given` to its pixel maps and to the fixtures that dim them: universes x 512
+// bytes, as the compiled rig orders them; empty: all are 0.
 void add_displays(JudgeScene& scene, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
-                  std::span<const std::uint8_t> levels);
+                  std::span<const std::uint8_t> given);
 
 // Makes display_lights: the displays with fewer and larger pixels, about `most` of all together, so that rays that meet
 // them by the thousand take less time.

@@ -129,7 +129,7 @@ const PassList& passes_of(PictureStyle style) {
 
 FrameSettings settings_of(PictureStyle style, FrameSettings settings) {
   if (style == PictureStyle::kPhysical) return settings;
-  settings = rival_settings(std::move(settings), settings.nodes);
+  settings = rival_settings(settings, settings.nodes);
   if (style == PictureStyle::kCard) return settings;
   settings.bounce = false;
   settings.probes = false;
