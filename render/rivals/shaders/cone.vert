@@ -12,6 +12,8 @@
 #include "render/shaders/lib/project.glsl"
 #include "render/rivals/shaders/lib/beam_ends.glsl"
 #include "render/rivals/shaders/lib/mesh_light.glsl"
+#include "render/rivals/shaders/lib/cone_wall.glsl"
+#include "render/rivals/shaders/lib/vrsl_zoom.glsl"
 
 layout(location = 0) out vec3 from_camera_m;
 layout(location = 1) out vec3 normal;
@@ -21,17 +23,11 @@ layout(location = 4) flat out float zoom;  // 0 to 1
 
 void main() {
   BeamRow row = beams[gl_InstanceIndex];
-  uint corner = uint(gl_VertexIndex) % 6u;
-  uint side = uint(gl_VertexIndex) / 6u + (corner == 1u || corner == 2u || corner == 4u ? 1u : 0u);
-  along = corner == 2u || corner == 4u || corner == 5u ? 1.0 : 0.0;
-  float angle = 6.283185307179586 * float(side) / float(FL_CONE_SIDES);
-  vec2 around = vec2(cos(angle), sin(angle));
-  float z = along * row.axis.w;
-  float w = row.x_axis.w + row.y_axis.w * z;
-  from_camera_m = from_light(row, vec3(w * around, z) - row.eye.xyz);
-  normal = from_light(row, vec3(around, -row.y_axis.w));
+  ConeWall wall = cone_wall(row);
+  from_camera_m = wall.from_camera_m;
+  normal = wall.normal;
+  along = wall.on_wall.x;
   light = mesh_light(row);
-  // Its zoom goes from 1.75 to 19.8 degrees of half angle.
-  zoom = clamp((degrees(atan(row.y_axis.w)) - 1.75) / 18.05, 0.0, 1.0);
+  zoom = vrsl_zoom(row);
   gl_Position = project(from_camera_m);
 }

@@ -12,6 +12,7 @@
 #include "render/shaders/lib/project.glsl"
 #include "render/rivals/shaders/lib/beam_ends.glsl"
 #include "render/rivals/shaders/lib/mesh_light.glsl"
+#include "render/rivals/shaders/lib/cone_wall.glsl"
 #include "render/rivals/shaders/lib/vrsl_zoom.glsl"
 
 layout(location = 0) out vec3 from_camera_m;
@@ -41,15 +42,10 @@ float blinding(BeamRow row, vec3 lens_m) {
 
 void main() {
   BeamRow row = beams[gl_InstanceIndex];
-  uint corner = uint(gl_VertexIndex) % 6u;
-  uint side = uint(gl_VertexIndex) / 6u + (corner == 1u || corner == 2u || corner == 4u ? 1u : 0u);
-  on_wall = vec2(corner == 2u || corner == 4u || corner == 5u ? 1.0 : 0.0, float(side) / float(FL_CONE_SIDES));
-  float angle = 6.283185307179586 * on_wall.y;
-  vec2 around = vec2(cos(angle), sin(angle));
-  float z = on_wall.x * row.axis.w;
-  float w = row.x_axis.w + row.y_axis.w * z;
-  from_camera_m = from_light(row, vec3(w * around, z) - row.eye.xyz);
-  normal = from_light(row, vec3(around, -row.y_axis.w));
+  ConeWall wall = cone_wall(row);
+  from_camera_m = wall.from_camera_m;
+  normal = wall.normal;
+  on_wall = wall.on_wall;
   light = kShare * mesh_light(row);
   vec2 stripes = row.gobo == 0u ? vec2(0.0) : kStripes[(row.gobo - 1u) % 7u];
   whole = vec4(vrsl_zoom(row), blinding(row, -from_light(row, row.eye.xyz)), stripes);

@@ -16,13 +16,7 @@
 #include "render/shaders/lib/surface.glsl"
 #include "render/shaders/lib/albedo.glsl"
 #include "render/rivals/shaders/lib/vrsl_zoom.glsl"
-bool tile_takes(uint beam, uint number) {
-  BeamRow row = beams[beam];
-  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
-  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
-  return beam_touches(row, beam_bound(row, 1.0), low, high);
-}
-#include "render/shaders/lib/tile_walk.glsl"
+#include "render/rivals/shaders/lib/beam_walk.glsl"
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;

@@ -90,6 +90,7 @@ TEST_CASE("another log plays on while the stage plays, with the exposures of the
     CHECK(stage.exposed_ns == std::min(dt_ns, LogPlayer::kExposureNs));
     CHECK(states_at(stage.player->now_ns()).time_ns == stage.state().time_ns);
     CHECK(exposed_ns == stage.exposed_ns);
+    CHECK(stage.player->exposed_ns() == stage.exposed_ns);
   }
   const TimeNs now_ns = stage.player->now_ns();
   const render::FrameState first = states_at(now_ns);

@@ -57,6 +57,7 @@ Status LogPlayer::advance(TimeNs until_ns, DurationNs exposure_ns, const Driven&
     levels_.assign(levels.begin(), levels.end());
     driven.step(levels, dt_ns, new_exposure);
   };
+  exposed_ns_ = std::min(exposure_ns, until_ns - timeline_->now_ns());
   if (driven.holds_steps) return timeline_->advance(until_ns, exposure_ns, step);
   return advance_frame(*timeline_, driven.frame, until_ns, exposure_ns, step);
 }

@@ -86,6 +86,8 @@ class LogPlayer {
   // Of a seek that is under way: its end.
   [[nodiscard]] TimeNs now_ns() const { return seeking_ ? seeking_->until_ns : timeline_->now_ns(); }
   [[nodiscard]] DurationNs duration_ns() const { return timeline_->duration_ns(); }
+  // Of the picture at now_ns(): the last steps of the last playing or finished seek.
+  [[nodiscard]] DurationNs exposed_ns() const { return exposed_ns_; }
   [[nodiscard]] std::span<const std::uint8_t> levels() const { return levels_; }  // of the last step; none before one
   [[nodiscard]] const SeekIndex* index() const { return index_ ? &*index_ : nullptr; }  // null: VRSL's fixtures
 
@@ -108,6 +110,7 @@ class LogPlayer {
   std::optional<SeekIndex::Moment> kept_;  // shortly before where the last seek came to
   std::optional<Transport::Seeking> seeking_;
   DurationNs exposure_ns_ = 0;               // of its picture
+  DurationNs exposed_ns_ = 0;
   bool exact_ = false;                       // its steps are those of a replay
   bool asked_ = false;                       // by the user; else the log repeats
   std::optional<SeekIndex::Moment> before_;  // where the fixtures were

@@ -182,7 +182,6 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       thumbnails_.clear();
       both_.change_rig();
       frame_ = std::move((*made)->frame);
-      exposure_ns_ = LogPlayer::kExposureNs;  // as show_soon() steps it
       videos_.show_all_again();
       if ((*made)->player) player_ = std::move((*made)->player);
       curve_.reset();

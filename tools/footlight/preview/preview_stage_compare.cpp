@@ -54,8 +54,7 @@ LogPlayer::Driven Preview::driven_aside() {
 Status Preview::begin_compared() {
   const std::size_t side = both_.next_side();
   const DurationNs offset_ns = desk_->comparison().a ? desk_->comparison().a->offset_ns : 0;
-  // What a seek that was cancelled has stepped through is no exposure.
-  both_.begin(desk_->state().camera, compared_time_ns(), std::min(exposure_ns_, LogPlayer::kExposureNs));
+  both_.begin(desk_->state().camera, compared_time_ns(), player_ ? player_->exposed_ns() : LogPlayer::kExposureNs);
   drawn_camera_ = both_.camera();
   drawn_view_ = both_.mode() == StageCompare::kBeside ? static_cast<int>(side) : 0;
   drawn_main_ = side == StageComparison::kB;

@@ -129,7 +129,6 @@ void Preview::give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool 
   }
   if (recording_ && !player_) recording_->take(step_ns_, framed_->compiled.universes, levels);
   step_ns_ += dt_ns;
-  exposure_ns_ = dt_ns + (new_exposure ? 0 : exposure_ns_);
   if (both_.holds_steps()) {
     both_.hold(levels, dt_ns, new_exposure);
   } else {

@@ -353,7 +353,6 @@ class Preview {
   std::future<Result<std::string>> ended_;  // valid: a recording is being written to its end
   std::string ended_path_;                  // its file
   std::string recorded_;                    // a file that the window offers to play; empty: none
-  DurationNs exposure_ns_ = 0;              // of the next picture of the stage's own fixtures, up to now
   TimeNs step_ns_ = 0;                      // when the step that is given next begins, of live inputs and faders
   std::unique_ptr<LiveOutputs> outputs_;    // null: there are none
   OutputsView outputs_view_;

@@ -1,13 +1,7 @@
 // Rivals that sample light along the rays of pixels: workgroups, tests of tiles and the walk over beams are those of
 // the beam pass (render/shaders/lib/tile_walk.glsl), so that all methods compute the same beams. The shader defines
 // air_light(): light over sigma_s between the eye and t_max_m. After rival_light.glsl.
-bool tile_takes(uint beam, uint number) {
-  BeamRow row = beams[beam];
-  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
-  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
-  return beam_touches(row, beam_bound(row, 1.0), low, high);
-}
-#include "render/shaders/lib/tile_walk.glsl"
+#include "render/rivals/shaders/lib/beam_walk.glsl"
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
 layout(constant_id = FL_SPEC_NODES) const uint kNodes = 16;
