@@ -7,6 +7,8 @@
 #include "shaders/gobobeams.comp.h"
 #include "shaders/hazebeams.comp.h"
 #include "shaders/hazegobobeams.comp.h"
+#include "shaders/hazerowgobobeams.comp.h"
+#include "shaders/rowgobobeams.comp.h"
 
 namespace footlight::render {
 
@@ -46,6 +48,10 @@ const PassEntry kBeamsPass{
       vk::Spirv spirv = haze ? vk::Spirv(kHazebeamsComp) : vk::Spirv(kBeamsComp);
       if (has_constant(context, FL_SPEC_GOBO)) {
         spirv = haze ? vk::Spirv(kHazegobobeamsComp) : vk::Spirv(kGobobeamsComp);
+        // GPUs have tables, and are quicker with one pixel a thread (beams.comp).
+        if (context.settings.gobo_method == GoboMethod::kTables) {
+          spirv = haze ? vk::Spirv(kHazerowgobobeamsComp) : vk::Spirv(kRowgobobeamsComp);
+        }
       }
       return make_compute_pass(context, spirv,
                                [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
@@ -54,7 +60,8 @@ const PassEntry kBeamsPass{
     },
     [] {
       return std::vector<std::vector<vk::Spirv>>{
-          {kBeamsComp}, {kGobobeamsComp}, {kHazebeamsComp}, {kHazegobobeamsComp}};
+          {kBeamsComp},     {kGobobeamsComp},     {kRowgobobeamsComp},
+          {kHazebeamsComp}, {kHazegobobeamsComp}, {kHazerowgobobeamsComp}};
     },
     "beams in the air"};
 

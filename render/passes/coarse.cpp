@@ -4,7 +4,9 @@
 
 #include "render/passes/tile_constants.h"
 #include "shaders/coarse.comp.h"
+#include "shaders/gobocoarse.comp.h"
 #include "shaders/hazecoarse.comp.h"
+#include "shaders/hazegobocoarse.comp.h"
 
 namespace footlight::render {
 
@@ -14,13 +16,15 @@ const PassEntry kCoarsePass{
     tile_class_constants,
     [](const PassContext& context) {
       return make_tile_pass(context,
-                            has_constant(context, FL_SPEC_HAZE) ? vk::Spirv(kHazecoarseComp) : vk::Spirv(kCoarseComp),
+                            tile_spirv(context, kCoarseComp, kHazecoarseComp, kGobocoarseComp, kHazegobocoarseComp),
                             [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
                               vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, coarse_groups));
                             });
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kCoarseComp}, {kHazecoarseComp}};
+      return std::vector<std::vector<vk::Spirv>>{
+          {kCoarseComp}, {kHazecoarseComp},
+          {kGobocoarseComp}, {kHazegobocoarseComp}};
     },
     "beams taken together for 64 x 64 pixels"};
 

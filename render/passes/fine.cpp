@@ -4,7 +4,9 @@
 
 #include "render/passes/tile_constants.h"
 #include "shaders/fine.comp.h"
+#include "shaders/gobofine.comp.h"
 #include "shaders/hazefine.comp.h"
+#include "shaders/hazegobofine.comp.h"
 
 namespace footlight::render {
 
@@ -14,13 +16,15 @@ const PassEntry kFinePass{"fine",
                           [](const PassContext& context) {
                             return make_tile_pass(
                                 context,
-                                has_constant(context, FL_SPEC_HAZE) ? vk::Spirv(kHazefineComp) : vk::Spirv(kFineComp),
+                                tile_spirv(context, kFineComp, kHazefineComp, kGobofineComp, kHazegobofineComp),
                                 [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
                                   vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, fine_groups));
                                 });
                           },
                           [] {
-                            return std::vector<std::vector<vk::Spirv>>{{kFineComp}, {kHazefineComp}};
+                            return std::vector<std::vector<vk::Spirv>>{
+                                {kFineComp}, {kHazefineComp},
+                                {kGobofineComp}, {kHazegobofineComp}};
                           },
                           "beams taken together for 32 x 32 pixels"};
 

@@ -13,6 +13,7 @@ namespace footlight::render {
                                                                         const FrameSettings& settings) {
   return with_plumes(needs.plumes, {{FL_SPEC_EXTINCTION, needs.extinction},
                                     {FL_SPEC_PROFILE, needs.profile},
+                                    {FL_SPEC_GOBO, has_gobo_tables(needs, settings)},
                                     {FL_SPEC_NODES, settings.nodes > 3 ? 5u : 3u},  // tile_node() has these two rules
                                     {FL_SPEC_BOXES, needs.surfaces},
                                     {FL_SPEC_BODIES, has_bodies(needs, settings)},
@@ -25,6 +26,14 @@ namespace footlight::render {
                                     {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
                                     {FL_SPEC_HAZE, uneven_haze(needs)},
                                     {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}});
+}
+
+// Which of four shaders a pass of teams is: with gobos, and in haze that is not even.
+[[nodiscard]] inline vk::Spirv tile_spirv(const PassContext& context, vk::Spirv plain, vk::Spirv haze, vk::Spirv gobo,
+                                          vk::Spirv haze_gobo) {
+  const bool uneven = has_constant(context, FL_SPEC_HAZE);
+  if (has_constant(context, FL_SPEC_GOBO)) return uneven ? haze_gobo : gobo;
+  return uneven ? haze : plain;
 }
 
 // A pass of teams (render/shaders/lib/tile_team.glsl), whose size follows the device's subgroups.

@@ -24,6 +24,7 @@
 #include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/lib/tile_test.glsl"
+#include "render/shaders/lib/tile_gobo.glsl"
 #include "render/shaders/lib/thin.glsl"
 #include "render/shaders/lib/shadow.glsl"
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
@@ -72,7 +73,8 @@ uint count_beams(uint supertile) {
   for (uint w = number; w < words; w += uint(FL_GROUP_TILE)) {
     uint rest = masks[supertile * params.mask_words + w];
     while (rest != 0u) {
-      if (tile_knows(beams[w * 32u + uint(findLSB(rest))])) ++bits;
+      BeamRow row = beams[w * 32u + uint(findLSB(rest))];
+      if (tile_knows(row) || tile_knows_gobo(row)) ++bits;
       rest &= rest - 1u;
     }
   }
@@ -81,6 +83,9 @@ uint count_beams(uint supertile) {
   barrier();
   return beam_count;
 }
+
+// What an image lets through, where the light is estimated: few are darker.
+const float kOpenShare = 0.2;
 
 // Mean light of the supertile's pixels over sigma_s, and how many beams light one: each beam at 1 to 16 of 16 places.
 vec2 estimate(uint supertile, vec2 low, vec2 size) {
@@ -94,7 +99,8 @@ vec2 estimate(uint supertile, vec2 low, vec2 size) {
     for (uint e = number; e < list_count * places; e += uint(FL_GROUP_TILE)) {
       uint which = e / places;
       BeamRow row = beams[list_ids[which]];
-      if (!tile_knows(row)) continue;
+      bool gobo = tile_knows_gobo(row);
+      if (!tile_knows(row) && !gobo) continue;
       uint place = ((e - which * places) * (16u / places) + which * 5u) & 15u;
       uvec2 cell = uvec2(place & 3u, place >> 2);
       vec2 at = low + size * (vec2(cell) + vec2((cell.y * 5u + 3u) & 15u, (cell.x * 5u + 2u) & 15u) / 16.0) / 4.0;
@@ -112,7 +118,7 @@ vec2 estimate(uint supertile, vec2 low, vec2 size) {
       vec3 middle = chord.base + ray * (0.5 * (chord.t_from_m + chord.t_to_m));
       if (kShadows && is_in_picked(supertile, list_ids[which], middle)) continue;
       float light = chord_inscatter_gauss(beam, medium, chord, ray, 2u, kExtinction);
-      sum += vec2(brightest(row.j0.rgb) * light, 1.0);
+      sum += vec2(brightest(row.j0.rgb) * light * (gobo ? kOpenShare : 1.0), 1.0);
     }
   }
   sum = subgroupAdd(sum);

@@ -25,6 +25,7 @@
 #include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/lib/tile_test.glsl"
+#include "render/shaders/lib/tile_gobo.glsl"
 #include "render/shaders/lib/thin.glsl"
 #include "render/shaders/lib/shadow.glsl"
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
@@ -38,21 +39,27 @@ const bool kSolids = kBoxes || kBodies;
 #include "render/shaders/lib/shadow_picks.glsl"
 #include "render/shaders/lib/tile_list.glsl"
 #include "render/shaders/lib/tile_team.glsl"
+#define FL_TILE_SURFACES
 #include "render/shaders/lib/tile_class.glsl"
 #include "render/shaders/lib/tile_sum.glsl"
 #include "render/shaders/lib/tile_entry.glsl"
 #include "render/shaders/lib/tile_pixels.glsl"
 #include "render/shaders/lib/tile_record.glsl"
+#include "render/shaders/lib/tile_surfaces.glsl"
+#include "render/shaders/lib/tile_gobo_record.glsl"
 #include "render/shaders/lib/tile_polynomial.glsl"
 
 layout(local_size_x = FL_GROUP_TILE) in;
 layout(set = 0, binding = FL_BINDING_COARSE, std430) readonly buffer CoarseBuffer { CoarseRow coarse[]; };
 
 // What is left of a beam for the pixels: polynomials of x and y, from -1 to 1 over the hull, each 6 coefficients of 1,
-// T_1(x), T_1(y), T_2(x), T_1(x) T_1(y), T_2(y). kRim: rho and h; kCut: rho, g_0, g_1, g_2, s_a and s_b. Then the
-// beam's colour, and p of its profile.
+// T_1(x), T_1(y), T_2(x), T_1(x) T_1(y), T_2(y). kRim: rho and h; kCut: rho, g_0, g_1, g_2, s_a and s_b, or what gives
+// s_b at each pixel's own surface (SurfaceEnd) or what stands in the beam (GoboRecord). Then the beam's colour, and p of
+// its profile, kSurfaceRow or kGoboRow.
 #define FL_RECORDS 128
 #define FL_RECORD_ROWS 10
+const float kSurfaceRow = 2.0;
+const float kGoboRow = 3.0;
 shared vec4 records[FL_RECORD_ROWS * FL_RECORDS];
 // The kinds of records, a bit each for every block of 16 x 8 pixels: those that it can touch.
 shared uint rim_bits[8 * FL_RECORDS / 32];
@@ -112,9 +119,12 @@ void add_records() {
   float x = first_px.x / half_px;
   float x2 = 2.0 * x * x - 1.0;
   vec3 y[FL_ROWS];
+  float per_depth[FL_ROWS];  // 1 / depth, 1/m
+  bool surfaces = kSolids && !group_depth.is_plane;
   [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
     float at = (first_px.y + float(i)) / half_px;
     y[i] = vec3(1.0, at, 2.0 * at * at - 1.0);
+    if (surfaces) per_depth[i] = pixel_per_depth(i);
   }
   const uint kWords = uint(FL_RECORDS / 32);
   bool any = false;
@@ -140,10 +150,27 @@ void add_records() {
       bits &= bits - 1u;
       CutColumns columns;
       [[unroll]] for (uint i = 0u; i < 6u; ++i) columns.of[i] = column(slot, i, x, x2);
-      vec3 color = record_row(slot, 9u).rgb;
+      vec4 color = record_row(slot, 9u);
+      SurfaceEnd end;
+#ifdef FL_GOBO_TILES
+      if (color.w == kGoboRow) {
+        GoboRecord gobo = GoboRecord(record_row(slot, 6u), record_row(slot, 7u), record_row(slot, 8u));
+        [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
+          vec3 light = record_gobo(gobo, columns, x, y[i]);
+          total[i] += kShowsClasses ? (brightest(light) > 0.0 ? kClassRecord : vec3(0.0)) : light * color.rgb;
+        }
+        continue;
+      }
+#endif
+      bool by_surface = kSolids && color.w == kSurfaceRow;
+      if (by_surface) {
+        [[unroll]] for (uint i = 0u; i < 3u; ++i) end.of[i] = record_row(slot, 6u + i);
+        columns.of[4] = vec3(-4.0, 0.0, 0.0);
+      }
       [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
+        if (by_surface) columns.of[5] = vec3(surface_s(end, vec3(x, y[i].y, per_depth[i])), 0.0, 0.0);
         float light = record_cut(columns, y[i]);
-        total[i] += kShowsClasses ? (light > 0.0 ? kClassRecord : vec3(0.0)) : light * color;
+        total[i] += kShowsClasses ? (light > 0.0 ? kClassRecord : vec3(0.0)) : light * color.rgb;
       }
     }
   }
@@ -182,8 +209,14 @@ void main() {
         BeamRow row = beams[id];
         vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_FINE_PX));
         vec2 high = min(low + float(FL_FINE_PX), vec2(float(params.width), float(params.height)));
-        bool known = tile_knows(row);
+        bool gobo = tile_knows_gobo(row);
+        bool known = tile_knows(row) || gobo;
+        if (gobo) row.eye.w = 1.0;  // the tables have the profile
         if (known) guess = tile_guess(row, group_rect());
+        if (gobo) {
+          bool whole = (guess.bits & kGuessWhole) != 0u && gobo_known(row);
+          guess.bits = whole ? kGuessCut | kGuessRecord | kGuessGobo : 0u;
+        }
         tries = known && guess.bits != 0u;
         if (tries) guess.middle = light_at_middle(row, group_rect());
         if (tries && has_shadows(supertile, id)) guess.bits |= kGuessShadowed;
@@ -206,6 +239,8 @@ void main() {
           TileEntry own = entry_at(begin + min(slot, count - 1u));
           bool is_beam = slot < count && own.bits != 0u;
           BeamRow row = beams[own.id];
+          bool gobo = (own.bits & kGuessGobo) != 0u;
+          if (gobo) row.eye.w = 1.0;
           bool whole = (own.bits & kGuessWhole) != 0u;
           float allowed = tolerance / brightest(row.j0.rgb);
           compute_nodes(row, group_rect(), whole, own.fit);
@@ -232,14 +267,34 @@ void main() {
             bool close = fit_cut(allowed, own.bits, own.middle, fits);
             if (may && close) {
               kind = kCut;
-              [[unroll]] for (uint i = 0u; i < 6u; ++i) store_fit(slot, i, fits.of[i]);
+              bool surfaces = (own.bits & kGuessSurfaces) != 0u;
+              [[unroll]] for (uint i = 0u; i < 6u; ++i) {
+                if (i < 4u || !(surfaces || gobo)) store_fit(slot, i, fits.of[i]);
+              }
+#ifdef FL_GOBO_TILES
+              if (gobo && team_lane() == 0u) {
+                Rect rect = group_rect();
+                GoboRecord record = gobo_record(beams[own.id], surface_end(row, rect.middle, rect.half_px));
+                records[uint(FL_RECORD_ROWS) * slot + 6u] = record.across;
+                records[uint(FL_RECORD_ROWS) * slot + 7u] = record.down;
+                records[uint(FL_RECORD_ROWS) * slot + 8u] = record.table;
+              }
+#endif
+              if (surfaces && team_lane() == 0u) {
+                Rect rect = group_rect();
+                SurfaceEnd end = surface_end(row, rect.middle, rect.half_px);
+                [[unroll]] for (uint i = 0u; i < 3u; ++i) records[uint(FL_RECORD_ROWS) * slot + 6u + i] = end.of[i];
+              }
             }
           }
           if (kind == kSmooth) {
             FL_LANE_NODES(k) light_here[k] += kShowsClasses ? kClassSmooth : node_light[k] * row.j0.rgb;
           }
           if (kind == kRim) store_color(slot, 3u, vec4(row.j0.rgb, rim_power(drawn_profile(row.eye.w))));
-          if (kind == kCut) store_color(slot, 9u, vec4(row.j0.rgb, 1.0));
+          if (kind == kCut) {
+            bool surfaces = (own.bits & kGuessSurfaces) != 0u;
+            store_color(slot, 9u, vec4(row.j0.rgb, gobo ? kGoboRow : surfaces ? kSurfaceRow : 1.0));
+          }
           if (team_lane() == 0u && (kind == kRim || kind == kCut)) record_kinds[slot] = kind;
           if (team_lane() == 0u && kind == kGeneral) atomicOr(rest_bits[own.id / 32u - first], 1u << (own.id & 31u));
         }

@@ -61,6 +61,8 @@ const uint kGuessRecord = 8u;      // there is a record for what is not smooth
 const uint kGuessCutBefore = 16u;  // what cuts the near end
 const uint kGuessCutAfter = 32u;
 const uint kGuessShadowed = 64u;   // what shadows hide of it is subtracted later (beams.comp)
+const uint kGuessGobo = 256u;      // an image stands in it (FL_GOBO_TILES)
+const uint kGuessSurfaces = 128u;  // several surfaces cut the far end: each pixel's own (FL_TILE_SURFACES)
 struct TileGuess {
   uint bits;         // 0: dark, or general
   bool is_dark;
@@ -88,6 +90,15 @@ const uint kNearBeyond = 32768u;  // and behind it
 
 bool has(uint bits, uint all) { return (bits & all) == all; }
 
+// Whether records may have the far ends of their pixels (tile_surfaces.glsl).
+#ifdef FL_TILE_SURFACES
+const bool kTileSurfaces = true;
+#else
+const bool kTileSurfaces = false;
+#endif
+// What float loses of a place is 1e-3 of the beam's radius, or less.
+bool surfaces_known(BeamRow row) { return row.x_axis.w > 2e-4 * length(row.eye.xyz); }
+
 // Call only for beams for which tile_knows() is true.
 TileGuess tile_guess(BeamRow row, Rect rect) {
   TileGuess guess = TileGuess(0u, false, vec2(0.0, 1.0), vec3(0.0));
@@ -103,6 +114,7 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
   float b_min = 1e30;
   float b_max = -1e30;
   float free_min = 1e30;  // s at the nearest of several surfaces
+  float slab_min = 1e30;  // s at the end of the slab
   vec2 first = vec2(0.0);
   float turn = 1.0;  // cosine between the lines of two places
   for (uint i = 0u; i < 5u; ++i) {
@@ -124,6 +136,7 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
     beam_line(beam, eye, ray, 0.0, FL_FAR_M, chord, line);
     float slab_from_m = line.t_from_m;
     float slab_to_m = line.t_to_m;
+    slab_min = min(slab_min, line.s_b);
     // A line that the surface cuts may have its base outside the slab; the places it passes are those of the whole one.
     float offset = chord.offset;
     vec2 along = chord.along;
@@ -165,19 +178,22 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
   // Between the places s may pass the values there, by what the line turns.
   float far_enough = 1.1 * longest;
   bool steady = has(bits, kAlive) && turn > kAlongSteady;
-  // The far end is one function of the place only where it is the same plane everywhere.
+  // The far end is one function of the place where it is the same plane everywhere, or the distance of the farthest.
   bool one_way = (bits & (kForward | kBackward)) != 0u;
-  bool ends_alike = (rect.depth.is_plane && has(bits, kToPlane)) || (has(bits, kToRange) && one_way);
+  bool ends_alike = has(bits, kToPlane) || (has(bits, kToRange) && one_way);
   guess.is_dark = inner >= 1.0 || (steady && ((ends_alike && b_max <= -far_enough) || a_min >= far_enough));
   if (guess.is_dark || !has(bits, kAlive) || !(brightest(row.j0.rgb) > 0.0)) return guess;
   bool free = has(bits, kNearBeyond) || (has(bits, kNearWithin) && free_min >= longest);
-  if (kSolids && !rect.depth.is_plane && !free) return guess;
+  bool surfaces = kSolids && !rect.depth.is_plane && !free;
+  if (surfaces && !(kTileSurfaces && slab_min >= longest && surfaces_known(row))) return guess;
   float q_min = 1.0 - farthest * farthest;
   bool inside = q_min > 0.0 && q_min >= kRatioMin * (1.0 - nearest * nearest);
   bool whole_before = a_max <= -longest;
   bool whole_after = b_min >= longest;
-  if (whole_before && whole_after) {
+  if (surfaces && !whole_before) return guess;
+  if (whole_before && whole_after && !surfaces) {
     guess.bits = kGuessWhole | kGuessRecord | (inside ? kGuessSmooth : 0u);
+    guess.fit.y = min(longest, 1.0);
   } else {
     bool from_one = (bits & (kFromLens | kFromEye)) != 0u;
     bool to_one = (bits & (kToRange | kToPlane)) != 0u;
@@ -186,9 +202,11 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
     bool moments = has_moments(beam);
     bool record = moments && (whole_before || has(bits, kFromEye) || (from_one && one_way)) &&
                   (whole_after || has(bits, kToPlane) || (to_one && one_way));
+    alike = alike && !surfaces;
     if (!alike && !record) return guess;
     guess.bits = kGuessCut | (alike ? kGuessSmooth : 0u) | (record ? kGuessRecord : 0u) |
-                 (whole_before ? 0u : kGuessCutBefore) | (whole_after ? 0u : kGuessCutAfter);
+                 (whole_before ? 0u : kGuessCutBefore) | (whole_after ? 0u : kGuessCutAfter) |
+                 (surfaces ? kGuessSurfaces : 0u);
     float low = max(a_min, -longest);
     float high = min(b_max, longest);
     guess.fit = vec2(0.5 * (low + high), max(0.5 * (high - low), kFitHalfMin));

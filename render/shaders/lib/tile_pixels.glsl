@@ -24,3 +24,10 @@ void add_to_pixels(vec3 total[FL_ROWS]) {
     imageStore(radiance, pixel, vec4(behind.rgb + light_scale() * total[i], behind.a));
   }
 }
+
+// 1 / depth of what this thread's pixel number i shows, 1/m.
+float pixel_per_depth(int i) {
+  uvec2 pixel = min(gl_WorkGroupID.xy * uint(FL_FINE_PX) + first_pixel() + uvec2(0, i),
+                    uvec2(params.width, params.height) - 1u);
+  return length(ray_through(vec2(pixel) + 0.5)) / imageLoad(radiance, ivec2(pixel)).a;
+}
