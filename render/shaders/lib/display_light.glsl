@@ -9,6 +9,9 @@ const float kWidestOnSurface = 0.35;
 const float kMostLoss = 12.0;
 const float kWidestInAir = 0.5;
 const float kWidestHaze = 2e-3;  // of a pixel's extent times the extinction; else it is halved where it is wide
+// Up to these the light of a cell is taken from second derivatives; beyond, its angle or its form are exact.
+const float kSeriesInAir = 0.25;
+const float kSeriesOnSurface = 0.3;
 
 // A cell as it is seen from a place.
 struct SeenCell {
@@ -18,27 +21,32 @@ struct SeenCell {
   float area;    // m^2
   float square;  // of the distance
   float away;
-  float lost;     // share of light that arrives
-  float per_m;    // extinction
-  bool is_wide;
+  float extent;  // the longer side
+  float per_m;   // extinction
   bool is_whole;  // larger than a pixel: it has moments
 };
 
 // Illuminance, lx.
 vec3 cell_on_surface(DisplayCell cell, SeenCell seen, vec3 normal) {
   float above = dot(seen.from, normal);
-  float place_m = -seen.from.z;
-  float point = place_m * seen.area / (seen.square * seen.square);
-  bool is_point = max(seen.side.x, seen.side.y) < FL_DISPLAY_POINT * seen.away;
-  float form = is_point ? max(above, 0.0) * point
-                        : display_form(seen.from, 0.5 * seen.side.x, 0.5 * seen.side.y, normal);
+  float point = -seen.from.z * seen.area / (seen.square * seen.square);
+  vec2 fall = seen.from.xy * (-4.0 / seen.square - seen.per_m / seen.away);
+  bool is_whole_above = above > 0.5 * dot(seen.side, abs(normal.xy));
+  float form;
+  if (is_whole_above && seen.extent < kSeriesOnSurface * seen.away) {
+    vec2 to = seen.from.xy * seen.from.xy / seen.square;
+    vec2 bend = fall * (2.0 * normal.xy + above * fall) -
+                above * ((4.0 - 8.0 * to) / seen.square + (1.0 - to) * (seen.per_m / seen.away));
+    form = max(point * (above + dot(seen.side * seen.side, bend) / 24.0), 0.0);
+  } else {
+    form = display_form(seen.from, 0.5 * seen.side.x, 0.5 * seen.side.y, normal);
+  }
   vec3 lx = cell.mean * form;
-  if (seen.is_whole && above > 0.0) {
-    vec2 slope = normal.xy - seen.from.xy * (above * (4.0 / seen.square + seen.per_m / seen.away));
-    slope *= point * seen.pixel_m;
+  if (seen.is_whole && above > 0.0 && seen.extent < seen.away) {
+    vec2 slope = (normal.xy + above * fall) * (point * seen.pixel_m);
     lx += cell.moment_x * slope.x + cell.moment_y * slope.y;
   }
-  return lx * seen.lost;
+  return lx * exp(-seen.per_m * seen.away);
 }
 
 // Light that a metre of haze scatters towards the eye, over sigma_s. ray: from the eye.
@@ -47,22 +55,25 @@ vec3 cell_in_air(DisplayCell cell, SeenCell seen, vec3 ray) {
   float mu = -dot(seen.from, ray) / seen.away;
   float point = -seen.from.z * seen.area / (seen.square * seen.away);
   // What is integrated is -from.z / away^3 times the phase function and the loss. slope: its derivatives over itself,
-  // times the distance; bend: its second derivatives over itself, times the square.
+  // times the distance; bend: its second derivatives over itself, times the square, less those of the first factor.
   float forward = max(1.0 + g * g + 2.0 * g * mu, 1e-6);
   float loss = seen.per_m * seen.away;
   vec2 to = seen.from.xy / seen.away;
   vec2 turn = ray.xy + mu * to;
-  vec2 slope = turn * (3.0 * g / forward) - to * (3.0 + loss);
-  vec2 bend = slope * slope - 3.0 + 6.0 * to * to + (to * to - 1.0) * loss +
+  vec2 bent = turn * (3.0 * g / forward) - to * loss;
+  vec2 bend = bent * (bent - 6.0 * to) + (to * to - 1.0) * loss +
               (mu * (1.0 - to * to) - 2.0 * turn * to + turn * turn * (2.0 * g / forward)) * (3.0 * g / forward);
-  float angle = seen.is_wide ? display_angle(seen.from, 0.5 * seen.side.x, 0.5 * seen.side.y)
-                             : point * (1.0 + dot(seen.side * seen.side, bend) / (24.0 * seen.square));
+  bool is_series = seen.extent < kSeriesInAir * seen.away;
+  bool is_near = seen.extent > seen.away;
+  if (is_series) bend += 15.0 * to * to - 3.0;
+  float angle = is_series ? point : display_angle(seen.from, 0.5 * seen.side.x, 0.5 * seen.side.y);
+  if (!is_near) angle = max(angle + point * dot(seen.side * seen.side, bend) / (24.0 * seen.square), 0.0);
   vec3 light = cell.mean * angle;
-  if (seen.is_whole) {
-    slope *= point / seen.away * seen.pixel_m;
+  if (seen.is_whole && !is_near) {
+    vec2 slope = (bent - 3.0 * to) * (point / seen.away * seen.pixel_m);
     light += cell.moment_x * slope.x + cell.moment_y * slope.y;
   }
-  return light * (seen.lost * phase_function(mu, g));
+  return light * (exp(-loss) * phase_function(mu, g));
 }
 
 // towards: the normal of the surface, or the ray. per_m: extinction.
@@ -73,10 +84,10 @@ vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float
   vec2 part_m = 2.0 * half_m / vec2(size);
   uint root = FL_DISPLAY_PARTS + row.levels - 1u;
   uint level = root;
+  uvec2 shift = halvings(row, level);
   uvec2 at = uvec2(0u);
   vec3 sum = vec3(0.0);
   for (bool more = true; more;) {
-    uvec2 shift = halvings(row, level);
     vec2 low = vec2(at << shift);
     vec2 high = vec2(min((at + 1u) << shift, size));
     SeenCell seen;
@@ -84,22 +95,22 @@ vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float
     seen.side = (high - low) * part_m;
     seen.square = max(dot(seen.from, seen.from), 1e-20);
     seen.away = sqrt(seen.square);
-    float extent = max(seen.side.x, seen.side.y);
+    seen.extent = max(seen.side.x, seen.side.y);
     float widest = in_air ? kWidestInAir : kWidestOnSurface * 4.0 / (4.0 + min(per_m * seen.away, kMostLoss));
-    seen.is_wide = extent * extent > widest * widest * seen.square;
     bool is_pixel = level <= uint(FL_DISPLAY_PARTS);
-    bool halves = !is_pixel || ((in_air || per_m * extent > kWidestHaze) && level > 0u);
+    bool halves = !is_pixel || ((in_air || per_m * seen.extent > kWidestHaze) && level > 0u);
     bool dark = !in_air && dot(seen.from, towards) + 0.5 * dot(seen.side, abs(towards.xy)) <= 0.0;  // below the horizon
-    if (seen.is_wide && halves && !dark) {
+    if (seen.extent > widest * seen.away && halves && !dark) {
       --level;
-      at[halves_down(row, level) ? 1 : 0] *= 2u;
+      uint down = halves_down(row, level) ? 1u : 0u;
+      shift -= uvec2(1u - down, down);
+      at <<= uvec2(1u - down, down);
       continue;
     }
     if (!dark) {
       seen.pixel_m = part_m * vec2(uvec2(1u) << parts);
       seen.area = seen.side.x * seen.side.y;
       seen.per_m = per_m;
-      seen.lost = exp(-per_m * seen.away);
       seen.is_whole = !is_pixel;
       DisplayCell cell = is_pixel ? read_cell(row, 0u, at >> (parts - shift))
                                   : read_cell(row, level - uint(FL_DISPLAY_PARTS), at);
@@ -108,12 +119,16 @@ vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float
     // The next cell in the order of the halves.
     more = false;
     while (level < root && !more) {
-      uint axis = halves_down(row, level) ? 1u : 0u;
-      more = (at[axis] & 1u) == 0u && (at[axis] + 1u) << halvings(row, level)[axis] < size[axis];
+      uint down = halves_down(row, level) ? 1u : 0u;
+      uvec2 axis = uvec2(1u - down, down);
+      uint own = down != 0u ? at.y : at.x;
+      uint next = (own + 1u) << (down != 0u ? shift.y : shift.x);
+      more = (own & 1u) == 0u && next < (down != 0u ? size.y : size.x);
       if (more) {
-        ++at[axis];
+        at += axis;
       } else {
-        at[axis] >>= 1;
+        at >>= axis;
+        shift += axis;
         ++level;
       }
     }
