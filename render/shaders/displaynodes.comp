@@ -13,6 +13,8 @@
 #include "render/shaders/lib/display_cells.glsl"
 #include "render/shaders/lib/display_pixels.glsl"
 #include "render/shaders/lib/display_light.glsl"
+#define FL_RAYS 21
+#define FL_TOGETHER 12
 #include "render/shaders/lib/display_rays.glsl"
 #define FL_DISPLAY_TILES_ACCESS readonly
 #define FL_DISPLAY_RECORDS_ACCESS
@@ -27,7 +29,7 @@ const float kPi = 3.141592653589793;
 const uint kChecks = 5u;
 const vec2 kCheckPlaces[5] =
     vec2[5](vec2(0.0), vec2(-0.99, -0.99), vec2(0.99, -0.99), vec2(-0.99, 0.99), vec2(0.99, 0.99));
-const uint kPlaces = kNodes + kChecks;
+const uint kPlaces = kNodes + kChecks;  // FL_RAYS
 const uint kLanes = 12u;  // of 252 threads
 const float kGrazing = 1e-4;
 
@@ -154,12 +156,15 @@ void main() {
   if (faces > -kGrazing || !(t_m > 0.0)) atomicOr(uneven, 1u);
   barrier();
   bool works = uneven == 0u && number < kLanes;
-  if (works) {
+  if (uneven == 0u) {
     bool lit = display_records[record].albedo >= 0.0;
-    RayLight light = light_along(px, ray, t_m, lit ? plane.xyz : vec3(0.0), kAir, lane_of(number, kLanes));
-    lane_air[thread] = light.air;
-    lane_lx[thread] = light.lx;
-    lane_face[thread] = light.face;
+    vec3 normal = lit ? plane.xyz : vec3(0.0);
+    RayLight light = light_along(RayPart(works, px, ray, place, t_m, normal, kAir, number, kLanes));
+    if (works) {
+      lane_air[thread] = light.air;
+      lane_lx[thread] = light.lx;
+      lane_face[thread] = light.face;
+    }
   }
   barrier();
   RayLight light = RayLight(vec3(0.0), vec3(0.0), 0.0);

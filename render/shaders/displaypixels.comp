@@ -13,6 +13,8 @@
 #include "render/shaders/lib/display_cells.glsl"
 #include "render/shaders/lib/display_pixels.glsl"
 #include "render/shaders/lib/display_light.glsl"
+#define FL_RAYS (FL_TILE_PX * FL_TILE_PX)
+#define FL_TOGETHER 6
 #include "render/shaders/lib/display_rays.glsl"
 #define FL_DISPLAY_TILES_ACCESS readonly
 #define FL_DISPLAY_RECORDS_ACCESS readonly
@@ -49,28 +51,30 @@ void main() {
   if (listens) listed[before] = thread;
   barrier();
   uint lanes = min(kThreads / count, kLanesMost);
-  uint number = thread / lanes;
-  ivec2 pixel = ivec2(0);
-  Surface surface = Surface(kNothing, 0u, vec3(0.0), kNothingM, 0u);
-  if (number < count) {
-    uint at = listed[number];
-    pixel = ivec2(gl_WorkGroupID.xy) * FL_TILE_PX + ivec2(at % uint(FL_TILE_PX), at / uint(FL_TILE_PX));
-    vec3 ray = normalize(ray_through(vec2(pixel) + 0.5));
-    surface = surface_at(pixel, ray);
-    vec3 normal = surface.kind == kNothing ? vec3(0.0) : surface.normal;
-    bool in_air = kAir && (display_tiles[tile].solids[at / 32u] >> (at & 31u) & 1u) == 0u;
-    RayLight light =
-        light_along(vec2(pixel) + 0.5, ray, surface.t_m, normal, in_air, lane_of(thread % lanes, lanes));
-    lane_air[thread] = light.air;
-    lane_lx[thread] = light.lx;
-  }
+  uint number = thread % count;
+  RayPart part;
+  part.lane = thread / count;
+  part.lanes = lanes;
+  part.works = part.lane < lanes;
+  uint at = listed[number];
+  ivec2 pixel = ivec2(gl_WorkGroupID.xy) * FL_TILE_PX + ivec2(at % uint(FL_TILE_PX), at / uint(FL_TILE_PX));
+  part.px = vec2(pixel) + 0.5;
+  part.ray = normalize(ray_through(part.px));
+  part.number = number;
+  Surface surface = surface_at(pixel, part.ray);
+  part.t_m = surface.t_m;
+  part.normal = surface.kind == kNothing ? vec3(0.0) : surface.normal;
+  part.in_air = kAir && (display_tiles[tile].solids[at / 32u] >> (at & 31u) & 1u) == 0u;
+  RayLight light = light_along(part);
+  lane_air[thread] = light.air;
+  lane_lx[thread] = light.lx;
   barrier();
-  if (number >= count || thread % lanes != 0u) return;
+  if (thread >= count) return;
   vec3 air = vec3(0.0);
   vec3 lx = vec3(0.0);
   for (uint i = 0u; i < lanes; ++i) {
-    air += lane_air[thread + i];
-    lx += lane_lx[thread + i];
+    air += lane_air[count * i + thread];
+    lx += lane_lx[count * i + thread];
   }
   vec3 sum = lx;
   if (kView == uint(FL_VIEW_PICTURE)) {

@@ -2,6 +2,8 @@
 // What each tile shows, for the light of displays: up to FL_DISPLAY_RECORD_PLANES planes, one of which may be nothing,
 // which of its pixels show which, and how far away other things are. One workgroup a tile.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/surface.glsl"
 #include "render/shaders/lib/albedo.glsl"
@@ -28,13 +30,18 @@ shared uint near_bits;
 shared uint far_bits;
 shared uint words[FL_TILE_PX * FL_TILE_PX / 8];
 
-// A pixel belongs to what is counted.
-void take() {
-  atomicAdd(count, 1u);
-  atomicMin(low_x, gl_LocalInvocationID.x);
-  atomicMin(low_y, gl_LocalInvocationID.y);
-  atomicMax(high_x, gl_LocalInvocationID.x);
-  atomicMax(high_y, gl_LocalInvocationID.y);
+// Counts the pixels that belong to something, and the box around them. By all threads; one adds for its subgroup.
+void take(bool belongs) {
+  uvec2 at = gl_LocalInvocationID.xy;
+  uint number = subgroupAdd(belongs ? 1u : 0u);
+  uvec2 low = subgroupMin(belongs ? at : uvec2(~0u));
+  uvec2 high = subgroupMax(belongs ? at : uvec2(0u));
+  if (number == 0u || !subgroupElect()) return;
+  atomicAdd(count, number);
+  atomicMin(low_x, low.x);
+  atomicMin(low_y, low.y);
+  atomicMax(high_x, high.x);
+  atomicMax(high_y, high.y);
 }
 
 void main() {
@@ -65,7 +72,8 @@ void main() {
     }
     barrier();
     uint turn = (97u * thread + 61u * try) & uint(FL_TILE_PX * FL_TILE_PX - 1);
-    if (left) atomicMin(leader, turn);
+    uint first = subgroupMin(left ? turn : ~0u);
+    if (first != ~0u && subgroupElect()) atomicMin(leader, first);
     barrier();
     if (leader == ~0u) break;
     if (left && turn == leader) {
@@ -75,11 +83,10 @@ void main() {
     barrier();
     bool same = left && solid == (plane.xyz != vec3(0.0));
     if (same && solid) same = dot(own.xyz, plane.xyz) > 0.99999 && abs(own.w - plane.w) <= kPlane * surface.t_m;
-    if (same) {
-      left = false;
-      take();
-      atomicMax(albedo, brightest);
-    }
+    if (same) left = false;
+    take(same);
+    uint bright = subgroupMax(same ? brightest : 0u);
+    if (bright > 0u && subgroupElect()) atomicMax(albedo, bright);
     barrier();
     if (count >= kFew) {
       if (same) mine = planes;
@@ -101,12 +108,13 @@ void main() {
   }
   barrier();
   uint depth = floatBitsToUint(surface.t_m * dot(ray, params.forward.xyz));
-  if (rest) atomicMin(near_bits, depth);
+  uint nearest = subgroupMin(rest ? depth : ~0u);
+  if (nearest != ~0u && subgroupElect()) atomicMin(near_bits, nearest);
   barrier();
-  if (rest && uintBitsToFloat(depth) <= uintBitsToFloat(near_bits) * kDeepest) {
-    take();
-    atomicMax(far_bits, depth);
-  }
+  bool near_rest = rest && uintBitsToFloat(depth) <= uintBitsToFloat(near_bits) * kDeepest;
+  take(near_rest);
+  uint farthest = subgroupMax(near_rest ? depth : 0u);
+  if (farthest > 0u && subgroupElect()) atomicMax(far_bits, farthest);
   atomicOr(words[thread / 8u], mine << (4u * (thread % 8u)));
   barrier();
   if (thread < uint(words.length())) display_tiles[tile].pixels[thread] = words[thread];

@@ -9,6 +9,16 @@ const float kWidestOnSurface = 0.35;
 const float kMostLoss = 12.0;
 const float kWidestInAir = 0.5;
 const float kWidestHaze = 2e-3;  // of a pixel's extent times the extinction; else it is halved where it is wide
+// Up to these the light of a cell is taken from second derivatives; beyond, its angle or its form are exact.
+const float kSeriesInAir = 0.25;
+const float kSeriesOnSurface = 0.3;
+
+// Nearer to its face light is as there: the largest part of a pixel, times this.
+const float kAhead = 2.0;
+float ahead_of(DisplayRow row) {
+  vec2 size = vec2(uvec2(row.columns, row.rows) << halvings(row, FL_DISPLAY_PARTS));
+  return kAhead * max(2.0 * row.right.w / size.x, 2.0 * row.down.w / size.y);
+}
 
 // A cell as it is seen from a place.
 struct SeenCell {
@@ -18,27 +28,32 @@ struct SeenCell {
   float area;    // m^2
   float square;  // of the distance
   float away;
-  float lost;     // share of light that arrives
-  float per_m;    // extinction
-  bool is_wide;
+  float extent;  // the longer side
+  float per_m;   // extinction
   bool is_whole;  // larger than a pixel: it has moments
 };
 
 // Illuminance, lx.
 vec3 cell_on_surface(DisplayCell cell, SeenCell seen, vec3 normal) {
   float above = dot(seen.from, normal);
-  float place_m = -seen.from.z;
-  float point = place_m * seen.area / (seen.square * seen.square);
-  bool is_point = max(seen.side.x, seen.side.y) < FL_DISPLAY_POINT * seen.away;
-  float form = is_point ? max(above, 0.0) * point
-                        : display_form(seen.from, 0.5 * seen.side.x, 0.5 * seen.side.y, normal);
+  float point = -seen.from.z * seen.area / (seen.square * seen.square);
+  vec2 fall = seen.from.xy * (-4.0 / seen.square - seen.per_m / seen.away);
+  bool is_whole_above = above > 0.5 * dot(seen.side, abs(normal.xy));
+  float form;
+  if (is_whole_above && seen.extent < kSeriesOnSurface * seen.away) {
+    vec2 to = seen.from.xy * seen.from.xy / seen.square;
+    vec2 bend = fall * (2.0 * normal.xy + above * fall) -
+                above * ((4.0 - 8.0 * to) / seen.square + (1.0 - to) * (seen.per_m / seen.away));
+    form = max(point * (above + dot(seen.side * seen.side, bend) / 24.0), 0.0);
+  } else {
+    form = display_form(seen.from, 0.5 * seen.side.x, 0.5 * seen.side.y, normal);
+  }
   vec3 lx = cell.mean * form;
-  if (seen.is_whole && above > 0.0) {
-    vec2 slope = normal.xy - seen.from.xy * (above * (4.0 / seen.square + seen.per_m / seen.away));
-    slope *= point * seen.pixel_m;
+  if (seen.is_whole && above > 0.0 && seen.extent < seen.away) {
+    vec2 slope = (normal.xy + above * fall) * (point * seen.pixel_m);
     lx += cell.moment_x * slope.x + cell.moment_y * slope.y;
   }
-  return lx * seen.lost;
+  return lx * exp(-seen.per_m * seen.away);
 }
 
 // Light that a metre of haze scatters towards the eye, over sigma_s. ray: from the eye.
@@ -47,22 +62,25 @@ vec3 cell_in_air(DisplayCell cell, SeenCell seen, vec3 ray) {
   float mu = -dot(seen.from, ray) / seen.away;
   float point = -seen.from.z * seen.area / (seen.square * seen.away);
   // What is integrated is -from.z / away^3 times the phase function and the loss. slope: its derivatives over itself,
-  // times the distance; bend: its second derivatives over itself, times the square.
+  // times the distance; bend: its second derivatives over itself, times the square, less those of the first factor.
   float forward = max(1.0 + g * g + 2.0 * g * mu, 1e-6);
   float loss = seen.per_m * seen.away;
   vec2 to = seen.from.xy / seen.away;
   vec2 turn = ray.xy + mu * to;
-  vec2 slope = turn * (3.0 * g / forward) - to * (3.0 + loss);
-  vec2 bend = slope * slope - 3.0 + 6.0 * to * to + (to * to - 1.0) * loss +
+  vec2 bent = turn * (3.0 * g / forward) - to * loss;
+  vec2 bend = bent * (bent - 6.0 * to) + (to * to - 1.0) * loss +
               (mu * (1.0 - to * to) - 2.0 * turn * to + turn * turn * (2.0 * g / forward)) * (3.0 * g / forward);
-  float angle = seen.is_wide ? display_angle(seen.from, 0.5 * seen.side.x, 0.5 * seen.side.y)
-                             : point * (1.0 + dot(seen.side * seen.side, bend) / (24.0 * seen.square));
+  bool is_series = seen.extent < kSeriesInAir * seen.away;
+  bool is_near = seen.extent > seen.away;
+  if (is_series) bend += 15.0 * to * to - 3.0;
+  float angle = is_series ? point : display_angle(seen.from, 0.5 * seen.side.x, 0.5 * seen.side.y);
+  if (!is_near) angle = max(angle + point * dot(seen.side * seen.side, bend) / (24.0 * seen.square), 0.0);
   vec3 light = cell.mean * angle;
-  if (seen.is_whole) {
-    slope *= point / seen.away * seen.pixel_m;
+  if (seen.is_whole && !is_near) {
+    vec2 slope = (bent - 3.0 * to) * (point / seen.away * seen.pixel_m);
     light += cell.moment_x * slope.x + cell.moment_y * slope.y;
   }
-  return light * (seen.lost * phase_function(mu, g));
+  return light * (exp(-loss) * phase_function(mu, g));
 }
 
 // towards: the normal of the surface, or the ray. per_m: extinction.
@@ -73,10 +91,10 @@ vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float
   vec2 part_m = 2.0 * half_m / vec2(size);
   uint root = FL_DISPLAY_PARTS + row.levels - 1u;
   uint level = root;
+  uvec2 shift = halvings(row, level);
   uvec2 at = uvec2(0u);
   vec3 sum = vec3(0.0);
   for (bool more = true; more;) {
-    uvec2 shift = halvings(row, level);
     vec2 low = vec2(at << shift);
     vec2 high = vec2(min((at + 1u) << shift, size));
     SeenCell seen;
@@ -84,22 +102,22 @@ vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float
     seen.side = (high - low) * part_m;
     seen.square = max(dot(seen.from, seen.from), 1e-20);
     seen.away = sqrt(seen.square);
-    float extent = max(seen.side.x, seen.side.y);
+    seen.extent = max(seen.side.x, seen.side.y);
     float widest = in_air ? kWidestInAir : kWidestOnSurface * 4.0 / (4.0 + min(per_m * seen.away, kMostLoss));
-    seen.is_wide = extent * extent > widest * widest * seen.square;
     bool is_pixel = level <= uint(FL_DISPLAY_PARTS);
-    bool halves = !is_pixel || ((in_air || per_m * extent > kWidestHaze) && level > 0u);
+    bool halves = !is_pixel || ((in_air || per_m * seen.extent > kWidestHaze) && level > 0u);
     bool dark = !in_air && dot(seen.from, towards) + 0.5 * dot(seen.side, abs(towards.xy)) <= 0.0;  // below the horizon
-    if (seen.is_wide && halves && !dark) {
+    if (seen.extent > widest * seen.away && halves && !dark) {
       --level;
-      at[halves_down(row, level) ? 1 : 0] *= 2u;
+      uint down = halves_down(row, level) ? 1u : 0u;
+      shift -= uvec2(1u - down, down);
+      at <<= uvec2(1u - down, down);
       continue;
     }
     if (!dark) {
       seen.pixel_m = part_m * vec2(uvec2(1u) << parts);
       seen.area = seen.side.x * seen.side.y;
       seen.per_m = per_m;
-      seen.lost = exp(-per_m * seen.away);
       seen.is_whole = !is_pixel;
       DisplayCell cell = is_pixel ? read_cell(row, 0u, at >> (parts - shift))
                                   : read_cell(row, level - uint(FL_DISPLAY_PARTS), at);
@@ -108,12 +126,16 @@ vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float
     // The next cell in the order of the halves.
     more = false;
     while (level < root && !more) {
-      uint axis = halves_down(row, level) ? 1u : 0u;
-      more = (at[axis] & 1u) == 0u && (at[axis] + 1u) << halvings(row, level)[axis] < size[axis];
+      uint down = halves_down(row, level) ? 1u : 0u;
+      uvec2 axis = uvec2(1u - down, down);
+      uint own = down != 0u ? at.y : at.x;
+      uint next = (own + 1u) << (down != 0u ? shift.y : shift.x);
+      more = (own & 1u) == 0u && next < (down != 0u ? size.y : size.x);
       if (more) {
-        ++at[axis];
+        at += axis;
       } else {
-        at[axis] >>= 1;
+        at >>= axis;
+        shift += axis;
         ++level;
       }
     }
@@ -133,7 +155,6 @@ const float kPieceMostW = 2.0;
 const uint kPiecesMost = 32u;
 const float kFar = 30.0;       // in sizes of what is seen; beyond, light falls with the square of the distance
 const float kNearest = 0.25;   // of the shorter side of a display: nearer to it d stays
-const float kAhead = 2.0;      // of the largest part of a pixel: nearer to its face light is as there
 
 float w_of(float x) { return sign(x) * log(abs(x) + sqrt(x * x + 1.0)); }
 
@@ -158,62 +179,83 @@ float haze_of_piece(float t_m, float from_m, float to_m, float up) {
 }
 #endif
 
-// Light in the air along a ray up to end_m, over sigma_s. eye: the camera. With parts > 1 that of every parts-th place
-// on the ray from number `part` on; the sum over the parts is the light.
-vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m, uint part, uint parts) {
+// Where haze along a ray is lit by a display: before its plane, up to what the ray hits. Nowhere: y is not beyond x.
+vec2 lit_range(vec3 eye, vec3 way, float end_m) {
   float begin_m = 0.0;
-  if (ray.z > 0.0) begin_m = max(-eye.z / ray.z, 0.0);
-  if (ray.z < 0.0) end_m = min(end_m, eye.z / -ray.z);
-  if (ray.z == 0.0 && !(eye.z > 0.0)) return vec3(0.0);
+  if (way.z > 0.0) begin_m = max(-eye.z / way.z, 0.0);
+  if (way.z < 0.0) end_m = min(end_m, eye.z / -way.z);
+  if (way.z == 0.0 && !(eye.z > 0.0)) end_m = 0.0;
+  return vec2(begin_m, end_m);
+}
+
+// How a ray is cut before a display: its part in front of it, and what w is along it.
+struct AirShape {
+  float begin_m;
+  float last_m;  // where it ends
+  float far_m;
+  float middle_m;  // the nearest to the middle of the display
+  float size_m;    // of what is seen
+  float nearest_m;  // where w is 0
+  float d;
+  uint pieces;
+};
+float w_at(AirShape shape, float t_m) { return w_of((t_m - shape.nearest_m) / shape.d); }
+
+// Without nearest_m, d and pieces.
+AirShape air_range(DisplayRow row, vec3 eye, vec3 way, float end_m) {
+  AirShape shape;
+  vec2 lit = lit_range(eye, way, end_m);
+  shape.begin_m = lit.x;
+  shape.last_m = lit.y;
+  shape.middle_m = max(-dot(eye, way), lit.x);
+  shape.size_m = length(vec2(row.right.w, row.down.w)) + length(eye + way * shape.middle_m);
+  shape.far_m = shape.middle_m + kFar * shape.size_m;
+  return shape;
+}
+float air_end(AirShape shape) { return min(shape.last_m, shape.far_m); }
+bool is_lit(AirShape shape) { return air_end(shape) > shape.begin_m; }
+void find_nearest(DisplayRow row, vec3 eye, vec3 way, float per_m, inout AirShape shape) {
   vec2 half_m = vec2(row.right.w, row.down.w);
-  float middle_m = max(-dot(eye, ray), begin_m);
-  float size_m = length(half_m) + length(eye + ray * middle_m);
-  float far_m = middle_m + kFar * size_m;
-  float last_m = end_m;
-  end_m = min(end_m, far_m);
-  if (!(end_m > begin_m)) return vec3(0.0);
-  float nearest_m = display_nearest(eye, ray, half_m.x, half_m.y, begin_m, end_m);
-  float d = max(display_distance(eye + ray * nearest_m, half_m.x, half_m.y), 2.0 * kNearest * min(half_m.x, half_m.y));
-  float first = w_of((begin_m - nearest_m) / d);
-  float whole = w_of((end_m - nearest_m) / d) - first;
-  float piece_w = clamp(kPieceMostW * (1.0 - per_m * size_m), kPieceW, kPieceMostW);
-  uint pieces = uint(clamp(ceil(whole / piece_w), 1.0, float(kPiecesMost)));
-  vec2 part_m = 2.0 * half_m / vec2(uvec2(row.columns, row.rows) << halvings(row, FL_DISPLAY_PARTS));
-  float ahead_m = kAhead * max(part_m.x, part_m.y);
-  float piece = whole / float(pieces);
-#ifdef FL_USE_HAZE
-  float up = row.right.z * ray.x + row.down.z * ray.y + row.front.z * ray.z;
-#endif
-  vec3 sum = vec3(0.0);
-  for (uint i = part; i < 4u * pieces; i += parts) {
-    float node = kGaussNode[6u + (i & 3u)];
-    float weight = kGaussWeight[6u + (i & 3u)];
-    float w = first + piece * (float(i >> 2) + node);
-    float grown = exp(w);
-    float t_m = clamp(nearest_m + 0.5 * d * (grown - 1.0 / grown), begin_m, end_m);
-    float step_m = 0.5 * d * (grown + 1.0 / grown) * piece * weight;
-    vec3 place = eye + ray * t_m;
-    bool is_ahead = all(lessThan(abs(place.xy), half_m));
-    place.z = max(place.z, is_ahead ? ahead_m : 1e-6 * d);
-    vec3 light = light_of_cells(row, place, ray, true, per_m) * (step_m * exp(-per_m * t_m));
-#ifdef FL_USE_HAZE
-    light *= haze_of_piece(t_m, max(t_m - 0.5 * step_m, begin_m), min(t_m + 0.5 * step_m, end_m), up);
-#endif
-    sum += light;
-  }
-  if (part == 0u && far_m < last_m) {
+  float end_m = air_end(shape);
+  shape.nearest_m = display_nearest(eye, way, half_m.x, half_m.y, shape.begin_m, end_m);
+  shape.d = max(display_distance(eye + way * shape.nearest_m, half_m.x, half_m.y),
+                2.0 * kNearest * min(half_m.x, half_m.y));
+  float piece_w = clamp(kPieceMostW * (1.0 - per_m * shape.size_m), kPieceW, kPieceMostW);
+  float whole = w_at(shape, end_m) - w_at(shape, shape.begin_m);
+  shape.pieces = uint(clamp(ceil(whole / piece_w), 1.0, float(kPiecesMost)));
+}
+
+// Light at a node of a ray, times what it stands for and what is lost to the eye, over sigma_s. first, whole: w where
+// the ray begins, and up to air_end(). up: what the ray rises in a metre. The last node is for what is beyond far_m.
+vec3 light_of_node(DisplayRow row, AirShape shape, vec3 eye, vec3 way, float first, float whole, float up, uint number,
+                   float per_m) {
+  bool is_last = number == 4u * shape.pieces;
+  float piece = whole / float(shape.pieces);
+  float grown = exp(first + piece * (float(number >> 2) + kGaussNode[6u + (number & 3u)]));
+  float t_m = clamp(shape.nearest_m + 0.5 * shape.d * (grown - 1.0 / grown), shape.begin_m, air_end(shape));
+  float step_m = 0.5 * shape.d * (grown + 1.0 / grown) * piece * kGaussWeight[6u + (number & 3u)];
+  if (is_last) {
+    if (!(shape.far_m < shape.last_m)) return vec3(0.0);
+    t_m = shape.far_m;
     // The light falls by this power of the distance, and one more: by its square, the loss, and what haze thins.
-    float away_m = far_m - middle_m;
+    float away_m = shape.far_m - shape.middle_m;
     float power = 1.0 + 2.0 * per_m * away_m;
-    vec3 last = light_of_cells(row, eye + ray * far_m, ray, true, per_m) * exp(-per_m * far_m);
 #ifdef FL_USE_HAZE
-    last *= haze_of_piece(far_m, 0.95 * far_m, 1.05 * far_m, up);
-    float z_m = params.position.z + up * far_m;
+    float z_m = params.position.z + up * t_m;
     float thins = haze_thins(z_m);
     power += 4.0 * thins / (1.0 + thins) * max(up, 0.0) * away_m / max(z_m, 1e-3);
 #endif
     // Less what is beyond the end of the ray.
-    sum += last * (away_m / power) * (1.0 - pow(away_m / (last_m - middle_m), power));
+    step_m = away_m / power * (1.0 - pow(away_m / (shape.last_m - shape.middle_m), power));
   }
-  return sum;
+  float weight = step_m * exp(-per_m * t_m);
+#ifdef FL_USE_HAZE
+  vec2 haze_m = is_last ? vec2(0.95, 1.05) * t_m
+                        : clamp(t_m + vec2(-0.5, 0.5) * step_m, shape.begin_m, air_end(shape));
+  weight *= haze_of_piece(t_m, haze_m.x, haze_m.y, up);
+#endif
+  vec3 place = eye + way * t_m;
+  if (all(lessThan(abs(place.xy), vec2(row.right.w, row.down.w)))) place.z = max(place.z, ahead_of(row));
+  place.z = max(place.z, 1e-6 * shape.d);
+  return light_of_cells(row, place, way, true, per_m) * weight;
 }

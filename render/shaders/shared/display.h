@@ -4,9 +4,6 @@
 // its plane with a mean luminance and moments; `from` is a vector from the place that is lit to its middle, so from.z =
 // -(distance of the place from the plane). Places behind the plane get no light.
 
-// Up to this angle, as its extent over its distance, a cell on a surface is a point.
-#define FL_DISPLAY_POINT 0.03
-
 // What the edge of a polygon adds to twice its form factor times pi: the angle between two corners, along the normal.
 FL_FN Real display_edge(Vec3 a, Vec3 b, Vec3 normal) {
   Vec3 c = cross(a, b);
@@ -46,16 +43,18 @@ FL_FN Real display_form(Vec3 from, Real half_x, Real half_y, Vec3 normal) {
   return max(Real(0.5) * sum, Real(0));
 }
 
-// The solid angle of a rectangle, exactly.
-FL_FN Real display_corner(Real x, Real y, Real away) {
-  return FL_ATAN2(x * y, away * sqrt(x * x + y * y + away * away));
+// The solid angle of a rectangle, exactly: of the quadrants at its corners, whose angles are added as complex numbers.
+FL_FN Real display_corners(Real low, Real high, Real y, Real away) {
+  Real rest = y * y + away * away;
+  Real near = away * sqrt(low * low + rest);
+  Real far = away * sqrt(high * high + rest);
+  return FL_ATAN2((high * near - low * far) * y, far * near + low * high * y * y);
 }
 FL_FN Real display_angle(Vec3 from, Real half_x, Real half_y) {
-  Real away = -from.z;
-  Real angle = display_corner(from.x + half_x, from.y + half_y, away) -
-               display_corner(from.x - half_x, from.y + half_y, away) -
-               display_corner(from.x + half_x, from.y - half_y, away) +
-               display_corner(from.x - half_x, from.y - half_y, away);
+  Real low = from.x - half_x;
+  Real high = from.x + half_x;
+  Real angle = display_corners(low, high, from.y + half_y, -from.z) -
+               display_corners(low, high, from.y - half_y, -from.z);
   return max(angle, Real(0));
 }
 
