@@ -1,10 +1,15 @@
 #version 460
-// Draws bodies, a workgroup for each FL_GROUP_TRIANGLES triangles of a body (place.comp), a thread a triangle. Of
-// pixels a first pass finds the nearest depth, a second the first triangle at that depth: the picture does not depend
-// on the order of threads. The rasteriser itself takes 1 ns a triangle on an H200, where a thirtieth of the GPU serves
-// it. FL_DRAWS_EDGES: draws the samples of pixels with an edge.
+// Draws bodies, a workgroup for each FL_GROUP_TRIANGLES triangles of a body (place.comp), a thread a triangle. A pixel
+// keeps the nearest depth, and of the triangles there the first one: the picture does not depend on the order of
+// threads. FL_JOINED: in one round, with atomics of 64 bits; else a first round finds depths, a second triangles. The
+// rasteriser itself takes 1 ns a triangle on an H200, where a thirtieth of the GPU serves it. FL_DRAWS_EDGES: draws the
+// samples of pixels with an edge.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#ifdef FL_JOINED
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
 #define FL_USE_POSE

@@ -1,19 +1,29 @@
 // Draws a triangle into the nearest depths of pixels, or into the numbers of the triangles that are there. A pixel
-// belongs to a triangle by the rules of Vulkan's rasteriser with 8 bits below the pixel. After triangles.glsl.
+// belongs to a triangle by the rules of Vulkan's rasteriser with 8 bits below the pixel. FL_JOINED: into both at once.
+// After triangles.glsl.
+#ifdef FL_JOINED
+layout(set = 0, binding = FL_BINDING_PIXEL_KEYS, std430) buffer KeysBuffer { uint64_t joined[]; };
+#else
 layout(constant_id = FL_SPEC_KEYS) const bool kKeys = false;
 layout(set = 0, binding = FL_BINDING_PIXEL_DEPTHS, std430) buffer DepthsBuffer { uint depths[]; };
 layout(set = 0, binding = FL_BINDING_PIXEL_KEYS, std430) buffer KeysBuffer { uint keys[]; };
+#endif
 
 // A point on an edge is within if the edge is at the top or on the left.
 bool holds_edge(ivec2 d) { return d.y < 0 || (d.y == 0 && d.x > 0); }
 
 void touch(uint pixel, float z, uint key) {
   uint bits = floatBitsToUint(z);
+#ifdef FL_JOINED
+  // The nearest depth, and of those at the same one the first triangle. Words only grow, so an old one does no harm.
+  if (bits >= uint(joined[pixel] >> 32)) atomicMax(joined[pixel], uint64_t(bits) << 32 | uint64_t(key));
+#else
   if (kKeys) {
     if (bits == depths[pixel]) atomicMax(keys[pixel], key);
   } else if (bits > depths[pixel]) {
     atomicMax(depths[pixel], bits);
   }
+#endif
 }
 
 // One thread draws it.

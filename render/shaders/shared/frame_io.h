@@ -56,7 +56,8 @@
 #define FL_BINDING_BODY_DRAWN (42 + FL_LAMP_COUNT)    // heads, by mesh and level: the instances of the raster
 #define FL_BINDING_BODY_DRAWS (43 + FL_LAMP_COUNT)    // indirect draw commands, one a level
 #define FL_BINDING_PIXEL_DEPTHS (44 + FL_LAMP_COUNT)  // of triangles, one word a pixel: bits of the reversed depth
-#define FL_BINDING_PIXEL_KEYS (45 + FL_LAMP_COUNT)    // one word a pixel: ~ the number of the triangle; 0: none
+#define FL_BINDING_PIXEL_KEYS (45 + FL_LAMP_COUNT)    // one word a pixel: ~ the number of the triangle; 0: none.
+// Where depths and keys are joined: 64 bits a pixel, the bits of the depth above its key.
 // Tables of gobos in haze (render/passes/gobos.h): GoboTableRow, one an image; those that a frame builds; the images
 // that hold them, as they are read and as they are written.
 #define FL_BINDING_GOBO_TABLES (46 + FL_LAMP_COUNT)
@@ -200,7 +201,7 @@
 #define FL_SPEC_TEAM (29 + FL_LAMP_COUNT)
 #define FL_SPEC_VIEW (30 + FL_LAMP_COUNT)
 #define FL_SPEC_GROUP (31 + FL_LAMP_COUNT)  // threads of a workgroup of the surface pass
-#define FL_SPEC_KEYS (32 + FL_LAMP_COUNT)  // the second pass over triangles
+#define FL_SPEC_KEYS (32 + FL_LAMP_COUNT)  // the second round over triangles
 #define FL_SPEC_GOBO_METHOD (33 + FL_LAMP_COUNT)
 #define FL_SPEC_EDGE_SAMPLES (34 + FL_LAMP_COUNT)
 #define FL_SPEC_EDGES (35 + FL_LAMP_COUNT)  // edges of solid things are smooth
@@ -222,7 +223,8 @@
 #define FL_SPEC_SHEEN (51 + FL_LAMP_COUNT)  // there are surfaces with sheen
 #define FL_SPEC_PLUMES (52 + FL_LAMP_COUNT)  // machines have plumes: selects another shader
 #define FL_SPEC_PROBES (53 + FL_LAMP_COUNT)  // probes show what surfaces with sheen mirror
-#define FL_SPEC_COUNT (54 + FL_LAMP_COUNT)
+#define FL_SPEC_JOINED (54 + FL_LAMP_COUNT)  // a pixel's depth and key are one word of 64 bits
+#define FL_SPEC_COUNT (55 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
