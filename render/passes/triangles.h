@@ -20,7 +20,7 @@ struct ObjectGroups {
 };
 [[nodiscard]] inline ObjectGroups object_groups(const RigTables& rig) {
   if (rig.object_draw_count == 0) return {};
-  const std::uint32_t groups = groups_of(static_cast<std::uint32_t>(rig.object_triangles), FL_GROUP_TRIANGLES);
+  const std::uint32_t groups = groups_of(static_cast<std::uint32_t>(rig.object_triangles), FL_OBJECT_TRIANGLES);
   const std::uint32_t x = std::min<std::uint32_t>(groups, FL_SLOTS_X);
   return {x, groups_of(groups, x)};
 }

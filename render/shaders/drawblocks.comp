@@ -6,6 +6,7 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #endif
+#define FL_THREADS FL_GROUP_TRIANGLES
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
 #define FL_USE_POSE
@@ -21,7 +22,7 @@
 #include "render/shaders/lib/triangle_pixels.glsl"
 #endif
 
-layout(local_size_x = FL_GROUP_TRIANGLES) in;
+layout(local_size_x = FL_THREADS) in;
 layout(set = 0, binding = FL_BINDING_BODY_CHOICES, std430) readonly buffer ChoicesBuffer { uint choices[]; };
 
 void main() {

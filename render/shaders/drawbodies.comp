@@ -10,6 +10,8 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #endif
+#define FL_THREADS FL_GROUP_TRIANGLES
+#define FL_TRIANGLES FL_GROUP_TRIANGLES
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
 #define FL_USE_POSE
@@ -24,8 +26,9 @@
 #else
 #include "render/shaders/lib/triangle_pixels.glsl"
 #endif
+#include "render/shaders/lib/triangle_groups.glsl"
 
-layout(local_size_x = FL_GROUP_TRIANGLES) in;
+layout(local_size_x = FL_THREADS) in;
 layout(set = 0, binding = FL_BINDING_BODY_CHOICES, std430) readonly buffer ChoicesBuffer { uint choices[]; };
 
 layout(set = 0, binding = FL_BINDING_BODY_ROUNDS, std430) readonly buffer RoundsBuffer {

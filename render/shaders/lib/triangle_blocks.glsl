@@ -1,13 +1,12 @@
-// Who draws a triangle: small ones the thread that has it, larger ones its workgroup, and the largest a workgroup for
-// each block of pixels (drawblocks.comp). After triangles.glsl.
+// Who draws a triangle: small ones the thread that has it, larger ones its workgroup (triangle_groups.glsl), and the
+// largest a workgroup for each block of pixels (drawblocks.comp). After triangles.glsl.
 layout(set = 0, binding = FL_BINDING_DRAW_BLOCKS, std430) buffer DrawBlocksBuffer {
   DrawBlocksHead blocks_head;
   DrawBlockRow blocks[];
 };
 
-const int kAlonePx = 64;         // the most pixels that a thread tests alone
-const int kAloneExtent = 16384;  // and the longest side, so that side() fits into 32 bits
-const int kTogetherPx = 512;     // and that a workgroup tests
+const int kSmallExtent = 32000;  // the longest side, so that side() fits into 32 bits within a pixel of the triangle
+const int kAlonePx = 4;          // of small ones, the most pixels that a thread tests alone
 
 // The part of a triangle that is in a block.
 Triangle in_block(Triangle it, ivec2 block) {
@@ -56,11 +55,8 @@ bool leave_blocks(Triangle it, uint slot, uint t) {
 }
 
 bool is_drawn(Triangle it) { return all(lessThanEqual(it.low, it.high)); }
+bool is_small(Triangle it) { return !it.open && it.extent <= kSmallExtent; }
 bool is_drawn_alone(Triangle it) {
   ivec2 size = it.high - it.low + 1;
-  return !it.open && size.x * size.y <= kAlonePx && it.extent <= kAloneExtent;
-}
-bool is_drawn_together(Triangle it) {
-  ivec2 size = it.high - it.low + 1;
-  return !it.open && size.x * size.y <= kTogetherPx;
+  return size.x * size.y <= kAlonePx;
 }

@@ -220,7 +220,7 @@ struct TriangleParts {
 };
 TriangleParts parts_of(ivec2 low, ivec2 high) {
   int rows = high.y - low.y + 1;
-  int width = rows < FL_GROUP_TRIANGLES ? FL_TILE_PX : FL_BLOCK_PX;
+  int width = rows < FL_THREADS ? FL_TILE_PX : FL_BLOCK_PX;
   int strips = high.x / width - low.x / width + 1;
   return TriangleParts(low, high, width, strips, strips * rows);
 }

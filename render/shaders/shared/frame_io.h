@@ -943,7 +943,9 @@ struct BodySlotRow {
 #define FL_CHOICE_LEVEL 0x7fffffffu
 #define FL_BODY_LEVELS 8     // levels of a mesh at most
 #define FL_GROUP_LIST 256    // threads of a workgroup that lists the bodies of a mesh
-#define FL_GROUP_TRIANGLES 64  // triangles that a workgroup draws, one a thread
+#define FL_GROUP_TRIANGLES 64  // triangles of a body that a workgroup draws, one a thread
+#define FL_OBJECT_TRIANGLES 32  // triangles of objects that a workgroup draws
+#define FL_GROUP_OBJECTS 128    // and its threads
 #define FL_WIDE_BODY_PX 16       // a body with this diameter has FL_CHOICE_WIDE
 #define FL_SLOTS_X 32768  // workgroups side by side that draw objects
 // Where a body is in the picture. For each number of joints, rows that take a place behind them to (x times w, y times
