@@ -973,6 +973,7 @@ struct BodyRoundRow {
 // Parts of large triangles, each drawn by a workgroup: the commands of an indirect dispatch, and how many parts have
 // been asked for. More than FL_BLOCKS_MAX are drawn by the workgroups that find them.
 #define FL_BLOCK_PX 128
+#define FL_BLOCKS_SIDE 4  // of a triangle that is narrower than one, so many above each other or side by side
 #define FL_BLOCKS_MAX 65535
 struct DrawBlocksHead {
   uint groups_x;
@@ -983,7 +984,7 @@ struct DrawBlocksHead {
 struct DrawBlockRow {
   uint slot;  // FL_NONE: of an object
   uint triangle;
-  uint x;  // the block, from the picture's corner
+  uint x;  // the block, or the first of several, from the picture's corner
   uint y;
 };
 // A body with a diameter below this share of FrameParams::body_error_px is left out.
