@@ -195,7 +195,7 @@ struct PictureImages {
   vk::Buffer fine_masks;                // masks of FL_FINE_PX x FL_FINE_PX pixels; likewise
   vk::Buffer pixel_depths, pixel_keys;  // of triangles that compute shaders draw, a word a pixel; likewise
   vk::Buffer draw_blocks;               // DrawBlocksHead, then DrawBlockRow
-  vk::Buffer edge_ids;                  // EdgeIdRow, one a pixel; likewise
+  vk::Buffer edge_ids;                  // two words a pixel; likewise
   vk::Buffer edge_samples;              // FrameSettings::edge_samples for edge_room() pixels; likewise
   vk::Buffer edge_masks;                // FL_EDGE_WORDS a tile; likewise
   vk::Buffer edge_parts;                // EdgePartRow, one a row of tiles; likewise

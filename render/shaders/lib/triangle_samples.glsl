@@ -2,7 +2,7 @@
 // triangles.glsl and surface.glsl.
 #include "render/shaders/lib/edge_samples.glsl"
 #include "render/shaders/lib/edge_slots.glsl"
-layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) readonly buffer EdgeIdsBuffer { EdgeIdRow edge_ids[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) readonly buffer EdgeIdsBuffer { uint edge_ids[]; };
 layout(set = 0, binding = FL_BINDING_EDGE_SAMPLES, std430) buffer EdgeSamplesBuffer { uint edge_samples[]; };
 
 // One that a workgroup draws, a part a thread.
@@ -41,7 +41,7 @@ WideTriangle wide_of(Triangle it, uint number, uint head) {
 
 // Whether a triangle is behind all that a pixel and its neighbours show.
 bool is_behind(float nearest_z, ivec2 at) {
-  return nearest_z < edge_ids[uint(at.y) * params.width + uint(at.x)].farthest_z;
+  return nearest_z < uintBitsToFloat(edge_ids[(params.height + uint(at.y)) * params.width + uint(at.x)]);
 }
 // Whether it may cover a sample. sides: at the pixel's middle.
 bool may_cover(Sides s, vec3 sides) {

@@ -68,7 +68,8 @@
 #define FL_BINDING_GOBO_LINES_OUT (51 + FL_LAMP_COUNT)
 #define FL_BINDING_RIMS (52 + FL_LAMP_COUNT)  // RimRow, FrameParams::rims_max a supertile
 #define FL_BINDING_CUTS (53 + FL_LAMP_COUNT)  // CutRow, FrameParams::cuts_max a supertile
-// Smooth edges: EdgeIdRow, one a pixel; the samples of pixels with edges (lib/edge_samples.glsl), and their colours;
+// Smooth edges: for each pixel which surface it shows (lib/edge_surfaces.glsl), then for each of those with an edge a
+// depth, behind which is nothing that it and its neighbours show; the samples of pixels with edges (lib/edge_samples.glsl), and their colours;
 // FL_EDGE_WORDS a tile: which pixels have an edge, and where their samples are.
 #define FL_BINDING_EDGE_IDS (54 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGE_SAMPLES (55 + FL_LAMP_COUNT)
@@ -912,10 +913,6 @@ struct EdgePartRow {
   uint objects_x;  // ... and of objects
   uint objects_y;
   uint objects_z;
-};
-struct EdgeIdRow {
-  uint id;           // of the surface (lib/edge_surfaces.glsl)
-  float farthest_z;  // no surface behind this depth is drawn: it is behind what the pixel and its neighbours show
 };
 #define FL_GROUP_EDGES 128      // threads of a workgroup that has a tile
 #define FL_GROUP_PARTS 256      // and of the one that divides rows into parts
