@@ -6,7 +6,6 @@ layout(set = 0, binding = FL_BINDING_DRAW_BLOCKS, std430) buffer DrawBlocksBuffe
 };
 
 const int kSmallExtent = 32000;  // the longest side, so that side() fits into 32 bits within a pixel of the triangle
-const int kAlonePx = 4;          // of small ones, the most pixels that a thread tests alone
 
 // The part of a triangle that is in blocks, from one with the lowest column and row on.
 Triangle in_blocks(Triangle it, ivec2 block, ivec2 count) {
@@ -67,7 +66,3 @@ bool leave_blocks(Triangle it, uint slot, uint t) {
 
 bool is_drawn(Triangle it) { return all(lessThanEqual(it.low, it.high)); }
 bool is_small(Triangle it) { return !it.open && it.extent <= kSmallExtent; }
-bool is_drawn_alone(Triangle it) {
-  ivec2 size = it.high - it.low + 1;
-  return size.x * size.y <= kAlonePx;
-}

@@ -7,6 +7,10 @@ shared uint small_asked;                // how many they are << 24, and their ro
 shared uint left[FL_TRIANGLES];         // blocks had no room for them
 shared uint left_count;
 
+bool is_drawn_alone(SmallTriangle w) {
+  ivec2 size = w.high - w.low + 1;
+  return size.x * size.y <= kAlonePx;
+}
 void draw_alone(SmallTriangle w) {
   for (int y = w.low.y; y <= w.high.y; ++y) draw_row(w, y);
 }
@@ -38,7 +42,7 @@ void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number,
     if (!is_drawn(it)) {
     } else if (!is_wide || is_small(it)) {
       SmallTriangle w = small_of(it, first_number + t, head);
-      if (!is_wide || is_drawn_alone(it)) {
+      if (!is_wide || is_drawn_alone(w)) {
         draw_alone(w);
       } else {
         uint asked = atomicAdd(small_asked, 1u << 24 | uint(it.high.y - it.low.y + 1));

@@ -26,6 +26,8 @@ void touch(uint pixel, float z, uint key) {
 #endif
 }
 
+const int kAlonePx = 4;  // of small ones, the most pixels that a thread tests alone
+
 // One whose sides fit into 32 bits. Its corners turn to the left.
 struct SmallTriangle {
   ivec2 p0;

@@ -63,6 +63,8 @@ void draw_samples(Sides s, vec3 sides, uint first, uint mark) {
 // Bits of the columns first to last of 16; first is no more than last.
 uint columns_mask(int first, int last) { return (1u << (last + 1)) - (1u << first); }
 
+const int kAlonePx = 0;  // each pixel has many samples
+
 // One whose sides fit into 32 bits.
 struct SmallTriangle {
   ivec2 p0;
