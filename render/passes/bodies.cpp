@@ -195,7 +195,8 @@ const PassEntry kBodiesPass{
         const vk::Spirv resolve = r.rig.texture_count == 0 ? vk::Spirv(kResolveComp)
                                   : sheen                  ? vk::Spirv(kSheenresolveComp)
                                                            : vk::Spirv(kTextureresolveComp);
-        FL_ASSIGN(parts.resolve, BoundPipeline::compute(context, resolve, {{FL_SPEC_SHEEN, sheen}, {FL_SPEC_JOINED, joined}}));
+        FL_ASSIGN(parts.resolve, BoundPipeline::compute(context, resolve,
+                                                        {{FL_SPEC_SHEEN, sheen}, {FL_SPEC_JOINED, joined}}));
         return std::unique_ptr<Pass>(new BodiesPass(context, std::move(parts)));
       }
       if (r.rig.slot_count > 0) {

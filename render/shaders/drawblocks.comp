@@ -1,5 +1,6 @@
 #version 460
-// Draws the parts of large triangles, a workgroup for each block of pixels, or for a few of them side by side. FL_DRAWS_EDGES: as drawbodies.comp.
+// Draws the parts of large triangles, a workgroup for each block of pixels, or for a few of them side by side.
+// FL_DRAWS_EDGES: as drawbodies.comp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #ifdef FL_JOINED

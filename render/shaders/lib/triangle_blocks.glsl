@@ -4,6 +4,13 @@ layout(set = 0, binding = FL_BINDING_DRAW_BLOCKS, std430) buffer DrawBlocksBuffe
   DrawBlocksHead blocks_head;
   DrawBlockRow blocks[];
 };
+#ifdef FL_DRAWS_EDGES
+#define FL_BLOCKS_ASKED edge_parts[part].blocks_asked
+#define FL_BLOCKS_GROUPS edge_parts[part].blocks_x
+#else
+#define FL_BLOCKS_ASKED blocks_head.asked
+#define FL_BLOCKS_GROUPS blocks_head.groups_x
+#endif
 
 const int kSmallExtent = 32000;  // the longest side, so that side() fits into 32 bits within a pixel of the triangle
 
@@ -53,9 +60,9 @@ bool leave_blocks(Triangle it, uint slot, uint t) {
     if (reach.x > reach.y) continue;
     ivec2 columns = reach / FL_BLOCK_PX;
     uint count = uint((columns.y - columns.x) / side.x + 1);
-    uint at = atomicAdd(blocks_head.asked, count);
+    uint at = atomicAdd(FL_BLOCKS_ASKED, count);
     uint room = min(count, uint(FL_BLOCKS_MAX) - min(at, uint(FL_BLOCKS_MAX)));
-    atomicMax(blocks_head.groups_x, min(at + room, uint(FL_BLOCKS_MAX)));
+    atomicMax(FL_BLOCKS_GROUPS, min(at + room, uint(FL_BLOCKS_MAX)));
     for (uint i = 0u; i < room; ++i) {
       blocks[at + i] = DrawBlockRow(slot, t, uint(columns.x) + i * uint(side.x), uint(y));
     }

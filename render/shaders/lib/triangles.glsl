@@ -7,7 +7,7 @@ layout(set = 0, binding = FL_BINDING_BODY_VERTICES, std430) readonly buffer Vert
 layout(set = 0, binding = FL_BINDING_BODY_INDICES, std430) readonly buffer IndicesBuffer { uint indices[]; };
 // The rows of the picture that are drawn.
 #ifdef FL_DRAWS_EDGES
-layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) readonly buffer EdgePartsBuffer { EdgePartRow edge_parts[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) buffer EdgePartsBuffer { EdgePartRow edge_parts[]; };
 layout(push_constant) uniform PartPush { uint part; };
 int first_row() { return edge_parts[part].first; }
 int end_row() { return edge_parts[part].end; }

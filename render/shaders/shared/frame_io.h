@@ -69,7 +69,8 @@
 #define FL_BINDING_RIMS (52 + FL_LAMP_COUNT)  // RimRow, FrameParams::rims_max a supertile
 #define FL_BINDING_CUTS (53 + FL_LAMP_COUNT)  // CutRow, FrameParams::cuts_max a supertile
 // Smooth edges: for each pixel which surface it shows (lib/edge_surfaces.glsl), then for each of those with an edge a
-// depth, behind which is nothing that it and its neighbours show; the samples of pixels with edges (lib/edge_samples.glsl), and their colours;
+// depth, behind which is nothing that it and its neighbours show; the samples of pixels with edges
+// (lib/edge_samples.glsl), and their colours;
 // FL_EDGE_WORDS a tile: which pixels have an edge, and where their samples are.
 #define FL_BINDING_EDGE_IDS (54 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGE_SAMPLES (55 + FL_LAMP_COUNT)
@@ -910,9 +911,13 @@ struct EdgePartRow {
   uint bodies_x;   // ... of bodies; those of a part that is not needed are 0 ...
   uint bodies_y;
   uint bodies_z;
-  uint objects_x;  // ... and of objects
+  uint objects_x;  // ... of objects ...
   uint objects_y;
   uint objects_z;
+  uint blocks_x;   // ... and of blocks of large triangles, as in DrawBlocksHead
+  uint blocks_y;
+  uint blocks_z;
+  uint blocks_asked;
 };
 #define FL_GROUP_EDGES 128      // threads of a workgroup that has a tile
 #define FL_GROUP_PARTS 256      // and of the one that divides rows into parts
@@ -968,7 +973,8 @@ struct BodyRoundRow {
   uint triangle;  // the first that it draws
 };
 // Parts of large triangles, each drawn by a workgroup: the commands of an indirect dispatch, and how many parts have
-// been asked for. More than FL_BLOCKS_MAX are drawn by the workgroups that find them.
+// been asked for. Where edges are drawn, EdgePartRow has these instead. More than FL_BLOCKS_MAX are drawn by the
+// workgroups that find them.
 #define FL_BLOCK_PX 128
 #define FL_BLOCKS_SIDE 4  // of a triangle that is narrower than one, so many above each other or side by side
 #define FL_BLOCKS_MAX 65535
