@@ -1,6 +1,5 @@
 #version 460
-// Draws the parts of large triangles, a workgroup for each block of pixels, or for a few of them side by side.
-// FL_DRAWS_EDGES: as drawbodies.comp.
+// Draws the parts of large triangles, a workgroup for each block of pixels. FL_DRAWS_EDGES: as drawbodies.comp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #ifdef FL_JOINED
@@ -39,5 +38,5 @@ void main() {
   begin_space(row.slot);
   barrier();
   Triangle it = triangle_of(level, row.triangle);
-  draw_blocks(it, first_number + row.triangle, ivec2(row.x, row.y), blocks_together(it), head);
+  draw_block(it, first_number + row.triangle, ivec2(row.x, row.y), head);
 }

@@ -14,21 +14,11 @@ layout(set = 0, binding = FL_BINDING_DRAW_BLOCKS, std430) buffer DrawBlocksBuffe
 
 const int kSmallExtent = 32000;  // the longest side, so that side() fits into 32 bits within a pixel of the triangle
 
-// The part of a triangle that is in blocks, from one with the lowest column and row on.
-Triangle in_blocks(Triangle it, ivec2 block, ivec2 count) {
+// The part of a triangle that is in a block.
+Triangle in_block(Triangle it, ivec2 block) {
   it.low = max(it.low, block * FL_BLOCK_PX);
-  it.high = min(it.high, (block + count) * FL_BLOCK_PX - 1);
+  it.high = min(it.high, block * FL_BLOCK_PX + (FL_BLOCK_PX - 1));
   return it;
-}
-
-// Blocks side by side that one workgroup draws. A narrow triangle has few pixels in each. One that is open has the
-// numbers of its block.
-ivec2 blocks_together(Triangle it) {
-  ivec2 size = it.high - it.low;
-  return it.open                ? ivec2(1)
-         : size.x < FL_BLOCK_PX ? ivec2(1, FL_BLOCKS_SIDE)
-         : size.y < FL_BLOCK_PX ? ivec2(FL_BLOCKS_SIDE, 1)
-                                : ivec2(1);
 }
 
 // From where to where a triangle reaches in rows of pixels.
@@ -54,17 +44,16 @@ ivec2 reach_in(Triangle it, int first, int last) {
 
 // Leaves a triangle to drawblocks.comp. False: there is no room for all of it.
 bool leave_blocks(Triangle it, uint slot, uint t) {
-  ivec2 side = blocks_together(it);
-  for (int y = it.low.y / FL_BLOCK_PX; y <= it.high.y / FL_BLOCK_PX; y += side.y) {
-    ivec2 reach = reach_in(it, y * FL_BLOCK_PX, (y + side.y) * FL_BLOCK_PX - 1);
+  for (int y = it.low.y / FL_BLOCK_PX; y <= it.high.y / FL_BLOCK_PX; ++y) {
+    ivec2 reach = reach_in(it, y * FL_BLOCK_PX, y * FL_BLOCK_PX + (FL_BLOCK_PX - 1));
     if (reach.x > reach.y) continue;
     ivec2 columns = reach / FL_BLOCK_PX;
-    uint count = uint((columns.y - columns.x) / side.x + 1);
+    uint count = uint(columns.y - columns.x + 1);
     uint at = atomicAdd(FL_BLOCKS_ASKED, count);
     uint room = min(count, uint(FL_BLOCKS_MAX) - min(at, uint(FL_BLOCKS_MAX)));
     atomicMax(FL_BLOCKS_GROUPS, min(at + room, uint(FL_BLOCKS_MAX)));
     for (uint i = 0u; i < room; ++i) {
-      blocks[at + i] = DrawBlockRow(slot, t, uint(columns.x) + i * uint(side.x), uint(y));
+      blocks[at + i] = DrawBlockRow(slot, t, uint(columns.x) + i, uint(y));
     }
     if (room < count) return false;
   }

@@ -62,7 +62,7 @@ void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number,
     ivec2 last = it.high / FL_BLOCK_PX;
     for (ivec2 block = it.low / FL_BLOCK_PX; block.y <= last.y; ++block.y) {
       for (block.x = it.low.x / FL_BLOCK_PX; block.x <= last.x; ++block.x) {
-        draw_blocks(it, first_number + left[i], block, ivec2(1), head);
+        draw_block(it, first_number + left[i], block, head);
       }
     }
   }

@@ -182,9 +182,9 @@ void draw_parts(WideTriangle w) {
   }
 }
 
-// The part that is in blocks of pixels, by all threads.
-void draw_blocks(Triangle it, uint number, ivec2 block, ivec2 count, uint head) {
-  it = in_blocks(it, block, count);
+// The part that is in a block of pixels, by all threads.
+void draw_block(Triangle it, uint number, ivec2 block, uint head) {
+  it = in_block(it, block);
   if (it.open) draw_open(it, ~number);
   else draw_parts(wide_of(it, number, head));
 }

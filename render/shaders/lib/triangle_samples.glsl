@@ -142,9 +142,9 @@ void draw_part(WideTriangle d, ivec3 pixels) {
   }
 }
 
-// The part that is in blocks of pixels, by all threads.
-void draw_blocks(Triangle it, uint number, ivec2 block, ivec2 count, uint head) {
-  WideTriangle d = wide_of(in_blocks(it, block, count), number, head);
+// The part that is in a block of pixels, by all threads.
+void draw_block(Triangle it, uint number, ivec2 block, uint head) {
+  WideTriangle d = wide_of(in_block(it, block), number, head);
   TriangleParts parts = parts_of(d.low, d.high);
   for (int i = int(gl_LocalInvocationIndex); i < parts.count; i += FL_THREADS) {
     draw_part(d, part_pixels(parts, d.sides, i));

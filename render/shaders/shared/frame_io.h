@@ -976,7 +976,6 @@ struct BodyRoundRow {
 // been asked for. Where edges are drawn, EdgePartRow has these instead. More than FL_BLOCKS_MAX are drawn by the
 // workgroups that find them.
 #define FL_BLOCK_PX 128
-#define FL_BLOCKS_SIDE 4  // of a triangle that is narrower than one, so many above each other or side by side
 #define FL_BLOCKS_MAX 65535
 struct DrawBlocksHead {
   uint groups_x;
@@ -987,7 +986,7 @@ struct DrawBlocksHead {
 struct DrawBlockRow {
   uint slot;  // FL_NONE: of an object
   uint triangle;
-  uint x;  // the block, or the first of several, from the picture's corner
+  uint x;  // the block, from the picture's corner
   uint y;
 };
 // A body with a diameter below this share of FrameParams::body_error_px is left out.
