@@ -169,6 +169,7 @@ Status Frame::change(const FrameSettings& requested) {
       has_images && settings.width == settings_.width && settings.height == settings_.height &&
       settings.supersample == settings_.supersample && has_bodies(needs, settings) == has_bodies(needs, settings_) &&
       has_computed_triangles(needs, settings) == has_computed_triangles(needs, settings_) &&
+      has_joined_words(needs, settings) == has_joined_words(needs, settings_) &&
       has_smooth_edges(needs, settings) == has_smooth_edges(drawn_needs(needs_, haze_, settings_), settings_) &&
       settings.edge_samples == settings_.edge_samples && settings.edge_pixels == settings_.edge_pixels &&
       has_glare(needs, settings) == has_glare(drawn_needs(needs_, haze_, settings_), settings_) &&

@@ -16,6 +16,9 @@ FrameSettings Frame::suited(FrameSettings settings) const {
     // A CPU draws the demo's bodies at 640 x 360 in half the time with its rasteriser, and thousands in the same time.
     settings.triangles = cpu ? TriangleMethod::kRasteriser : TriangleMethod::kCompute;
   }
+  if (settings.triangles == TriangleMethod::kCompute && !vk::has_wide_atomics(device_.facts())) {
+    settings.triangles = TriangleMethod::kTwoRounds;
+  }
   return settings;
 }
 

@@ -91,6 +91,10 @@ struct PassEntry {
 [[nodiscard]] inline bool has_computed_triangles(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_bodies(needs, settings) && settings.triangles != TriangleMethod::kRasteriser;
 }
+// Whether these keep a pixel's depth and triangle in one word of 64 bits, and draw in one round. Likewise.
+[[nodiscard]] inline bool has_joined_words(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_computed_triangles(needs, settings) && settings.triangles != TriangleMethod::kTwoRounds;
+}
 // Pixels with an edge that have room for samples at a time: at least those of a row of tiles.
 [[nodiscard]] inline std::uint32_t edge_room(const FrameSettings& settings) {
   const int row = settings.width * FL_TILE_PX;

@@ -21,6 +21,7 @@ const char* word_of(TriangleMethod method) {
   switch (method) {
     case TriangleMethod::kRasteriser: return "rasteriser";
     case TriangleMethod::kCompute: return "compute";
+    case TriangleMethod::kTwoRounds: return "two rounds";
     case TriangleMethod::kSuited: break;
   }
   return "suited";

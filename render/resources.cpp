@@ -303,6 +303,10 @@ std::uint64_t computed_bytes(const fixtures::Needs& needs, const FrameSettings& 
   return has_computed_triangles(needs, settings) ? pixel_words(settings) : 4;
 }
 
+std::uint64_t pixel_key_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_joined_words(needs, settings) ? 2 * pixel_words(settings) : computed_bytes(needs, settings);
+}
+
 std::uint64_t draw_block_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
   const bool draws = has_computed_triangles(needs, settings) ||
                      (has_smooth_edges(needs, settings) && has_bodies(needs, settings));
@@ -531,8 +535,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       const bool classes = has_tile_classes(shape.needs, settings);
       return record_bytes(records, settings, record_rows(records, settings, mask_words_of(shape.compiled), classes));
     }
-    case FL_BINDING_PIXEL_DEPTHS:
-    case FL_BINDING_PIXEL_KEYS: return computed_bytes(shape.needs, settings);
+    case FL_BINDING_PIXEL_DEPTHS: return computed_bytes(shape.needs, settings);
+    case FL_BINDING_PIXEL_KEYS: return pixel_key_bytes(shape.needs, settings);
     case FL_BINDING_DRAW_BLOCKS: return draw_block_bytes(shape.needs, settings);
     case FL_BINDING_EDGES:
     case FL_BINDING_EDGE_IDS:
@@ -727,7 +731,7 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   FL_ASSIGN(p.rims, zeroed(device, record_bytes(kRims, settings, p.rims_max)));
   FL_ASSIGN(p.cuts, zeroed(device, record_bytes(kCuts, settings, p.cuts_max)));
   FL_ASSIGN(p.pixel_depths, zeroed(device, computed_bytes(needs, settings)));
-  FL_ASSIGN(p.pixel_keys, zeroed(device, computed_bytes(needs, settings)));
+  FL_ASSIGN(p.pixel_keys, zeroed(device, pixel_key_bytes(needs, settings)));
   FL_ASSIGN(p.draw_blocks, zeroed(device, draw_block_bytes(needs, settings), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
   FL_ASSIGN(p.edge_ids, zeroed(device, edge_id_bytes(needs, settings)));
   FL_ASSIGN(p.edge_samples, zeroed(device, edge_sample_bytes(needs, settings)));

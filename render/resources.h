@@ -193,9 +193,9 @@ struct PictureImages {
   vk::Buffer shadow_picks;              // lists of shadows by supertile (lib/shadow_picks.glsl)
   vk::Buffer shade_words;               // ShadowWordRow, one a word of fine_masks
   vk::Buffer fine_masks;                // masks of FL_FINE_PX x FL_FINE_PX pixels; likewise
-  vk::Buffer pixel_depths, pixel_keys;  // of triangles that compute shaders draw, one word a pixel; likewise
+  vk::Buffer pixel_depths, pixel_keys;  // of triangles that compute shaders draw, a word a pixel; likewise
   vk::Buffer draw_blocks;               // DrawBlocksHead, then DrawBlockRow
-  vk::Buffer edge_ids;                  // EdgeIdRow, one a pixel; likewise
+  vk::Buffer edge_ids;                  // two words a pixel; likewise
   vk::Buffer edge_samples;              // FrameSettings::edge_samples for edge_room() pixels; likewise
   vk::Buffer edge_masks;                // FL_EDGE_WORDS a tile; likewise
   vk::Buffer edge_parts;                // EdgePartRow, one a row of tiles; likewise

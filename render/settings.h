@@ -44,7 +44,8 @@ inline constexpr std::uint32_t kMapUsualPx = 64;
 inline constexpr std::uint32_t kMapLeastPx = 16;
 inline constexpr std::uint32_t kMapMostPx = 256;
 
-enum class TriangleMethod { kSuited, kRasteriser, kCompute };
+// kTwoRounds: compute shaders that find depths first, then triangles, as devices without atomics of 64 bits need.
+enum class TriangleMethod { kSuited, kRasteriser, kCompute, kTwoRounds };
 
 struct FrameSettings {
   int width = 1280;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <optional>
 #include <utility>
+#include <vector>
 
 #include "fixtures/bodies/primitives.h"
 #include "render/passes/compute_pass.h"
@@ -12,6 +12,9 @@
 #include "shaders/drawblocks.comp.h"
 #include "shaders/drawbodies.comp.h"
 #include "shaders/drawobjects.comp.h"
+#include "shaders/joinedblocks.comp.h"
+#include "shaders/joinedbodies.comp.h"
+#include "shaders/joinedobjects.comp.h"
 #include "shaders/list.comp.h"
 #include "shaders/mirror.frag.h"
 #include "shaders/object.vert.h"
@@ -37,7 +40,7 @@ class BodiesPass final : public Pass {
   // Null pipelines: nothing to do for them.
   struct Parts {
     BoundPipeline place, list, bodies, objects;  // the rasteriser's are the last three
-    std::optional<DrawnTriangles> depths, keys;  // those of compute shaders
+    std::vector<DrawnTriangles> rounds;              // of compute shaders: one, or depths first, then keys
     BoundPipeline resolve;
   };
 
@@ -73,15 +76,16 @@ class BodiesPass final : public Pass {
     vkCmdDispatch(commands, x, y, 1);
   }
 
-  // The nearest depth of each pixel, the first triangle there, then what it shows.
+  // The nearest depth of each pixel and the first triangle there, then what it shows.
   void compute(VkCommandBuffer commands) const {
     const PictureImages& picture = resources_.picture;
-    vkCmdFillBuffer(commands, picture.pixel_depths.handle, 0, VK_WHOLE_SIZE, 0);  // infinitely far
+    // Infinitely far. One round has the depths in the words of keys.
+    if (parts_.rounds.size() > 1) vkCmdFillBuffer(commands, picture.pixel_depths.handle, 0, VK_WHOLE_SIZE, 0);
     vkCmdFillBuffer(commands, picture.pixel_keys.handle, 0, VK_WHOLE_SIZE, 0);
-    for (const std::optional<DrawnTriangles>* drawn : {&parts_.depths, &parts_.keys}) {
+    for (const DrawnTriangles& drawn : parts_.rounds) {
       DrawnTriangles::clear(commands, resources_);
       vk::full_barrier(commands);
-      (*drawn)->record(commands, resources_);
+      drawn.record(commands, resources_);
       vk::full_barrier(commands);
     }
     dispatch(commands, parts_.resolve, tile_groups(static_cast<int>(width_)), tile_groups(static_cast<int>(height_)));
@@ -178,14 +182,21 @@ const PassEntry kBodiesPass{
       if (r.rig.slot_count > 0) {
         FL_ASSIGN(parts.place, BoundPipeline::compute(context, kPlaceComp, {}));
       }
-      if (context.settings.triangles == TriangleMethod::kCompute) {
-        const DrawnTriangles::Shaders shaders{kDrawbodiesComp, kDrawobjectsComp, kDrawblocksComp};
-        FL_ASSIGN(parts.depths, DrawnTriangles::create(context, shaders, {{FL_SPEC_KEYS, 0}}));
-        FL_ASSIGN(parts.keys, DrawnTriangles::create(context, shaders, {{FL_SPEC_KEYS, 1}}));
+      if (context.settings.triangles != TriangleMethod::kRasteriser) {
+        const bool joined = context.settings.triangles == TriangleMethod::kCompute;
+        const DrawnTriangles::Shaders in_one{kJoinedbodiesComp, kJoinedobjectsComp, kJoinedblocksComp};
+        const DrawnTriangles::Shaders in_two{kDrawbodiesComp, kDrawobjectsComp, kDrawblocksComp};
+        for (std::uint32_t keys = 0; keys < (joined ? 1u : 2u); ++keys) {
+          std::vector<vk::SpecConstant> constants;
+          if (!joined) constants.push_back({FL_SPEC_KEYS, keys});
+          FL_ASSIGN(DrawnTriangles drawn, DrawnTriangles::create(context, joined ? in_one : in_two, constants));
+          parts.rounds.push_back(std::move(drawn));
+        }
         const vk::Spirv resolve = r.rig.texture_count == 0 ? vk::Spirv(kResolveComp)
                                   : sheen                  ? vk::Spirv(kSheenresolveComp)
                                                            : vk::Spirv(kTextureresolveComp);
-        FL_ASSIGN(parts.resolve, BoundPipeline::compute(context, resolve, {{FL_SPEC_SHEEN, sheen}}));
+        FL_ASSIGN(parts.resolve, BoundPipeline::compute(context, resolve,
+                                                        {{FL_SPEC_SHEEN, sheen}, {FL_SPEC_JOINED, joined}}));
         return std::unique_ptr<Pass>(new BodiesPass(context, std::move(parts)));
       }
       if (r.rig.slot_count > 0) {
@@ -206,6 +217,9 @@ const PassEntry kBodiesPass{
                                                  {kDrawbodiesComp},
                                                  {kDrawobjectsComp},
                                                  {kDrawblocksComp},
+                                                 {kJoinedbodiesComp},
+                                                 {kJoinedobjectsComp},
+                                                 {kJoinedblocksComp},
                                                  {kResolveComp},
                                                  {kTextureresolveComp},
                                                  {kSheenresolveComp},

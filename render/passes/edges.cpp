@@ -46,7 +46,6 @@ class EdgesPass final : public Pass {
       vk::full_barrier(commands);
       over_tiles(commands, parts_.begin, part);
       if (parts_.drawn) {
-        DrawnTriangles::clear(commands, resources_);
         vk::full_barrier(commands);
         parts_.drawn->record_part(commands, resources_, part);
       }

@@ -20,7 +20,7 @@ struct ObjectGroups {
 };
 [[nodiscard]] inline ObjectGroups object_groups(const RigTables& rig) {
   if (rig.object_draw_count == 0) return {};
-  const std::uint32_t groups = groups_of(static_cast<std::uint32_t>(rig.object_triangles), FL_GROUP_TRIANGLES);
+  const std::uint32_t groups = groups_of(static_cast<std::uint32_t>(rig.object_triangles), FL_OBJECT_TRIANGLES);
   const std::uint32_t x = std::min<std::uint32_t>(groups, FL_SLOTS_X);
   return {x, groups_of(groups, x)};
 }
@@ -51,7 +51,7 @@ class DrawnTriangles {
     return drawn;
   }
 
-  // Before record() and record_part(), with a barrier between them.
+  // Before record(), with a barrier between them.
   static void clear(VkCommandBuffer commands, const Resources& resources) {
     const DrawBlocksHead none{0, 1, 1, 0};
     vkCmdUpdateBuffer(commands, resources.picture.draw_blocks.handle, 0, sizeof(none), &none);
@@ -68,7 +68,9 @@ class DrawnTriangles {
       objects_.bind(commands);
       vkCmdDispatch(commands, groups.x, groups.y, 1);
     }
-    record_blocks(commands, resources, nullptr);
+    vk::full_barrier(commands);
+    blocks_.bind(commands);
+    vkCmdDispatchIndirect(commands, resources.picture.draw_blocks.handle, 0);
   }
 
   // The samples of pixels with an edge in a part of the picture (EdgePartRow).
@@ -82,17 +84,13 @@ class DrawnTriangles {
       push_part(commands, *bound, part);
       vkCmdDispatchIndirect(commands, parts, row + groups);
     }
-    record_blocks(commands, resources, &part);
+    vk::full_barrier(commands);
+    blocks_.bind(commands);
+    push_part(commands, blocks_, part);
+    vkCmdDispatchIndirect(commands, parts, row + offsetof(EdgePartRow, blocks_x));
   }
 
  private:
-  void record_blocks(VkCommandBuffer commands, const Resources& resources, const std::uint32_t* part) const {
-    vk::full_barrier(commands);
-    blocks_.bind(commands);
-    if (part != nullptr) push_part(commands, blocks_, *part);
-    vkCmdDispatchIndirect(commands, resources.picture.draw_blocks.handle, 0);
-  }
-
   BoundPipeline bodies_, objects_, blocks_;
 };
 

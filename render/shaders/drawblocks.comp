@@ -2,6 +2,11 @@
 // Draws the parts of large triangles, a workgroup for each block of pixels. FL_DRAWS_EDGES: as drawbodies.comp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#ifdef FL_JOINED
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
+#define FL_THREADS FL_GROUP_TRIANGLES
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
 #define FL_USE_POSE
@@ -17,7 +22,7 @@
 #include "render/shaders/lib/triangle_pixels.glsl"
 #endif
 
-layout(local_size_x = FL_GROUP_TRIANGLES) in;
+layout(local_size_x = FL_THREADS) in;
 layout(set = 0, binding = FL_BINDING_BODY_CHOICES, std430) readonly buffer ChoicesBuffer { uint choices[]; };
 
 void main() {

@@ -1,10 +1,17 @@
 #version 460
-// Draws bodies, a workgroup for each FL_GROUP_TRIANGLES triangles of a body (place.comp), a thread a triangle. Of
-// pixels a first pass finds the nearest depth, a second the first triangle at that depth: the picture does not depend
-// on the order of threads. The rasteriser itself takes 1 ns a triangle on an H200, where a thirtieth of the GPU serves
-// it. FL_DRAWS_EDGES: draws the samples of pixels with an edge.
+// Draws bodies, a workgroup for each FL_GROUP_TRIANGLES triangles of a body (place.comp), a thread a triangle. A pixel
+// keeps the nearest depth, and of the triangles there the first one: the picture does not depend on the order of
+// threads. FL_JOINED: in one round, with atomics of 64 bits; else a first round finds depths, a second triangles. The
+// rasteriser itself takes 1 ns a triangle on an H200, where a thirtieth of the GPU serves it. FL_DRAWS_EDGES: draws the
+// samples of pixels with an edge.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#ifdef FL_JOINED
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
+#define FL_THREADS FL_GROUP_TRIANGLES
+#define FL_TRIANGLES FL_GROUP_TRIANGLES
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
 #define FL_USE_POSE
@@ -19,8 +26,9 @@
 #else
 #include "render/shaders/lib/triangle_pixels.glsl"
 #endif
+#include "render/shaders/lib/triangle_groups.glsl"
 
-layout(local_size_x = FL_GROUP_TRIANGLES) in;
+layout(local_size_x = FL_THREADS) in;
 layout(set = 0, binding = FL_BINDING_BODY_CHOICES, std430) readonly buffer ChoicesBuffer { uint choices[]; };
 
 layout(set = 0, binding = FL_BINDING_BODY_ROUNDS, std430) readonly buffer RoundsBuffer {

@@ -1,8 +1,14 @@
 #version 460
-// Draws the objects of the scene, a workgroup for each FL_GROUP_TRIANGLES triangles. FL_DRAWS_EDGES: as
-// drawbodies.comp.
+// Draws the objects of the scene, a workgroup for each FL_OBJECT_TRIANGLES triangles. They are few and large, so a
+// workgroup has more threads than triangles. FL_DRAWS_EDGES: as drawbodies.comp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#ifdef FL_JOINED
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
+#define FL_THREADS FL_GROUP_OBJECTS
+#define FL_TRIANGLES FL_OBJECT_TRIANGLES
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
 #define FL_USE_POSE
@@ -17,12 +23,13 @@
 #else
 #include "render/shaders/lib/triangle_pixels.glsl"
 #endif
+#include "render/shaders/lib/triangle_groups.glsl"
 
-layout(local_size_x = FL_GROUP_TRIANGLES) in;
+layout(local_size_x = FL_THREADS) in;
 
 void main() {
   BodyLevelRow level = levels[params.object_level];
-  uint base = (gl_WorkGroupID.y * FL_SLOTS_X + gl_WorkGroupID.x) * FL_GROUP_TRIANGLES;
+  uint base = (gl_WorkGroupID.y * FL_SLOTS_X + gl_WorkGroupID.x) * FL_OBJECT_TRIANGLES;
   if (base >= level.index_count / 3u) return;
   begin_space(FL_NONE);
   barrier();

@@ -12,7 +12,7 @@
 layout(local_size_x = FL_GROUP_EDGES) in;
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform readonly image2D radiance;
 layout(set = 0, binding = FL_BINDING_EDGES, rgba32f) uniform writeonly image2D edges;
-layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) readonly buffer EdgeIdsBuffer { EdgeIdRow edge_ids[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) readonly buffer EdgeIdsBuffer { uint edge_ids[]; };
 layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) readonly buffer EdgePartsBuffer { EdgePartRow edge_parts[]; };
 layout(set = 0, binding = FL_BINDING_EDGE_SAMPLES, std430) readonly buffer EdgeSamplesBuffer { uint edge_samples[]; };
 layout(push_constant) uniform PartPush { uint part; };
@@ -45,7 +45,7 @@ void load_plane(ivec2 low, uint i) {
   marks[i] = kNone;
   planes[i] = vec4(0.0);
   if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) return;
-  uint name = edge_ids[uint(pixel.y) * params.width + uint(pixel.x)].id;
+  uint name = edge_ids[uint(pixel.y) * params.width + uint(pixel.x)];
   marks[i] = mark_of(name);
   if (name == 0u) return;
   float per_pixel = 0.5 * float(params.height) / length(params.up.xyz);

@@ -65,5 +65,7 @@ void main() {
     edge_parts[part].objects_x = is_used ? push.objects_x : 0u;
     edge_parts[part].objects_y = is_used ? push.objects_y : 0u;
     edge_parts[part].objects_z = 1u;
+    edge_parts[part].blocks_y = 1u;  // blocks_x and blocks_asked are 0
+    edge_parts[part].blocks_z = 1u;
   }
 }

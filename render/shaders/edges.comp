@@ -10,15 +10,16 @@
 #include "render/shaders/lib/edge_surfaces.glsl"
 layout(local_size_x = FL_GROUP_EDGES) in;
 layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) writeonly buffer EdgeMasksBuffer { uint edge_masks[]; };
-layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) writeonly buffer EdgeIdsBuffer { EdgeIdRow edge_ids[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_IDS, std430) writeonly buffer EdgeIdsBuffer { uint edge_ids[]; };
 layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) buffer EdgePartsBuffer { EdgePartRow edge_parts[]; };
 
 // What the pixels of the tile show, with one more on each side.
 #define FL_SIDE (FL_TILE_PX + 2)
 shared uint shown_id[FL_SIDE * FL_SIDE];
-shared uint shown_normal[FL_SIDE * FL_SIDE];
+shared vec3 shown_normal[FL_SIDE * FL_SIDE];  // not of boxes
 shared float shown_m[FL_SIDE * FL_SIDE];  // along the unit ray
 shared float shown_z[FL_SIDE * FL_SIDE];  // as a depth of the buffer: larger is nearer
+shared float shown_inverse[FL_SIDE * FL_SIDE];  // one over its depth along the axis, within the picture
 shared uint mask[FL_TILE_PX];             // the pixels of a row that may have an edge
 
 uint at_side(ivec2 p) { return uint((p.y + 1) * FL_SIDE + p.x + 1); }
@@ -28,11 +29,14 @@ void load_shown(ivec2 low) {
   for (uint i = gl_LocalInvocationIndex; i < FL_SIDE * FL_SIDE; i += FL_GROUP_EDGES) {
     // Beyond the picture is what its last pixel shows.
     ivec2 pixel = clamp(low + ivec2(int(i % FL_SIDE), int(i / FL_SIDE)) - 1, ivec2(0), size - 1);
-    vec3 ray = normalize(ray_through(vec2(pixel) + 0.5));
+    vec3 way = ray_through(vec2(pixel) + 0.5);
+    vec3 ray = normalize(way);
     Surface surface = surface_at(pixel, ray);
     shown_id[i] = surface_name(surface);
-    shown_normal[i] = pack_normal(surface.normal);
+    bool is_box = surface.kind == kBox || surface.kind == kNothing;
+    shown_normal[i] = is_box ? vec3(0.0) : unpack_normal(pack_normal(surface.normal));
     shown_m[i] = surface.t_m;
+    shown_inverse[i] = length(way) / surface.t_m;
     shown_z[i] = surface.kind == kNothing ? 0.0 : params.right.w / (surface.t_m * dot(ray, params.forward.xyz));
   }
 }
@@ -44,16 +48,13 @@ const float kCreaseRatio = 4.0;     // a crease turns by twice as much as the su
 const float kSharpCrease = 0.3;     // ... or by 45 degrees
 const ivec2 kWays[4] = ivec2[4](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, -1));
 
-float inverse_depth(ivec2 p, ivec2 low) {
-  return length(ray_through(vec2(low + p) + 0.5)) / shown_m[at_side(p)];
-}
 vec3 shown_place(ivec2 p, ivec2 low) {
   return normalize(ray_through(vec2(low + p) + 0.5)) * min(shown_m[at_side(p)], 1e15);
 }
 
 // Whether the surface between a pixel and its neighbour has a step. A smooth one goes on at the mean of both normals.
 bool has_step(ivec2 p, ivec2 to, ivec2 low) {
-  vec3 normals = unpack_normal(shown_normal[at_side(p)]) + unpack_normal(shown_normal[at_side(to)]);
+  vec3 normals = shown_normal[at_side(p)] + shown_normal[at_side(to)];
   vec3 apart = shown_place(to, low) - shown_place(p, low);
   float pixel_m = 2.0 / float(params.width) * length(params.right.xyz) * min(shown_m[at_side(p)], 1e15);
   return abs(dot(normals, apart)) > 2.0 * kStepPx * pixel_m;
@@ -63,8 +64,8 @@ bool may_have_edge(ivec2 p, ivec2 low) {
   uint own = at_side(p);
   uint id = shown_id[own];
   bool is_box = id == 0u || (id & (FL_BOX_ID | FL_OBJECT)) == FL_BOX_ID;  // a plane, or nothing
-  vec3 normal = unpack_normal(shown_normal[own]);
-  float inverse = is_box ? 0.0 : inverse_depth(p, low);
+  vec3 normal = shown_normal[own];
+  float inverse = shown_inverse[own];
   bool edge = false;
   ivec2 size = ivec2(int(params.width), int(params.height));
   for (int w = 0; w < 4; ++w) {
@@ -75,12 +76,12 @@ bool may_have_edge(ivec2 p, ivec2 low) {
       ivec2 from = low + p - kWays[w];
       ivec2 to = low + p + kWays[w];
       bool inside = all(greaterThanEqual(min(from, to), ivec2(0))) && all(lessThan(max(from, to), size));
-      float off = inverse_depth(p - kWays[w], low) + inverse_depth(p + kWays[w], low) - 2.0 * inverse;
+      float off = shown_inverse[before] + shown_inverse[after] - 2.0 * inverse;
       if (inside && abs(off) > kStep * inverse) {
         edge = has_step(p, p - kWays[w], low) || has_step(p, p + kWays[w], low);
       }
-      float turn_before = 1.0 - dot(normal, unpack_normal(shown_normal[before]));
-      float turn_after = 1.0 - dot(normal, unpack_normal(shown_normal[after]));
+      float turn_before = 1.0 - dot(normal, shown_normal[before]);
+      float turn_after = 1.0 - dot(normal, shown_normal[after]);
       float most = max(turn_before, turn_after);
       float least = min(turn_before, turn_after);
       edge = edge || (most > kCrease && (most > kCreaseRatio * least || most > kSharpCrease));
@@ -105,8 +106,11 @@ void main() {
   for (uint i = gl_LocalInvocationIndex; i < FL_TILE_PX * FL_TILE_PX; i += FL_GROUP_EDGES) {
     ivec2 p = ivec2(int(i % FL_TILE_PX), int(i / FL_TILE_PX));
     if (any(greaterThanEqual(low + p, size))) continue;
-    edge_ids[uint(low.y + p.y) * params.width + uint(low.x + p.x)] = EdgeIdRow(shown_id[at_side(p)], farthest(p));
-    if (may_have_edge(p, low)) atomicOr(mask[p.y], 1u << p.x);
+    uint pixel = uint(low.y + p.y) * params.width + uint(low.x + p.x);
+    edge_ids[pixel] = shown_id[at_side(p)];
+    if (!may_have_edge(p, low)) continue;
+    atomicOr(mask[p.y], 1u << p.x);
+    edge_ids[params.height * params.width + pixel] = floatBitsToUint(farthest(p));
   }
   barrier();
   if (gl_LocalInvocationIndex >= FL_TILE_PX) return;

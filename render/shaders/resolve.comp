@@ -22,6 +22,7 @@ layout(set = 0, binding = FL_BINDING_BODY_INDICES, std430) readonly buffer Indic
 layout(set = 0, binding = FL_BINDING_BODY_CHOICES, std430) readonly buffer ChoicesBuffer { uint choices[]; };
 layout(set = 0, binding = FL_BINDING_PIXEL_DEPTHS, std430) buffer DepthsBuffer { uint depths[]; };
 layout(set = 0, binding = FL_BINDING_PIXEL_KEYS, std430) readonly buffer KeysBuffer { uint keys[]; };
+layout(constant_id = FL_SPEC_JOINED) const bool kJoined = false;
 layout(set = 0, binding = FL_BINDING_SURFACE_ID, rg32ui) uniform writeonly uimage2D surface_id;
 
 // The corners of a triangle, from the camera, m.
@@ -95,8 +96,11 @@ void main() {
   uvec2 at = gl_GlobalInvocationID.xy;
   if (at.x >= params.width || at.y >= params.height) return;
   uint pixel = at.y * params.width + at.x;
-  uint key = keys[pixel];
-  if (key == 0u) {
+  uint key = keys[kJoined ? 2u * pixel : pixel];
+  if (kJoined) {
+    depths[pixel] = keys[2u * pixel + 1u];
+    if (key == 0u) return;
+  } else if (key == 0u) {
     // The two passes compute each depth alike, but no rule says so: without a triangle there is nothing.
     if (depths[pixel] != 0u) depths[pixel] = 0u;
     return;

@@ -296,7 +296,7 @@ void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
     float facing = plain_facing(row, lens_place(row), plane.xyz, plane.w);
     for (uint block = 2u * quarter; block < 2u * quarter + 2u; ++block) {
       bool touches = cone_touches(row, bound, spheres[2u * block]) && (facing > 0.0 || is_shaped);
-      touches = touches || cone_touches(row, bound, spheres[2u * block + 1u]);
+      touches = touches || cone_touches_others(row, bound, block);
       if (touches) atomicOr(block_bits[block][word], bit);
     }
     if (quarter == 0u) {
@@ -388,6 +388,7 @@ void main() {
   if (kSheen) begin_sheen(pixel_low);
   uvec2 middle_px = min(tile_low + uint(FL_SURFACE_PX / 2), size - 1u);
   find_shapes(pixel_low, middle_px);
+  if (spheres[2u * FL_BLOCKS + 1u].w >= 0.0) find_slices();
   if (kSheen) find_tile_sheen(pixel_low, middle_px);
   vec4 plane = tile_plane;
   vec2 middle = vec2(tile_low) + 0.5 * float(FL_SURFACE_PX);

@@ -94,6 +94,10 @@ std::uint32_t compute_subgroup_size(const DeviceFacts& facts) {
   return std::clamp(16u, facts.subgroup_sizes.minSubgroupSize, facts.subgroup_sizes.maxSubgroupSize);
 }
 
+bool has_wide_atomics(const DeviceFacts& facts) {
+  return facts.features.shaderInt64 == VK_TRUE && facts.features_12.shaderBufferInt64Atomics == VK_TRUE;
+}
+
 DeviceFacts read_facts(VkPhysicalDevice device) {
   DeviceFacts facts;
   facts.subgroup.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES;
@@ -107,10 +111,12 @@ DeviceFacts read_facts(VkPhysicalDevice device) {
   vkGetPhysicalDeviceProperties2(device, &properties);
   facts.properties = properties.properties;
   facts.features_13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
-  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &facts.features_13, {}};
+  facts.features_12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+  facts.features_12.pNext = &facts.features_13;
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &facts.features_12, {}};
   vkGetPhysicalDeviceFeatures2(device, &features);
   facts.features = features.features;
-  facts.id.pNext = facts.driver.pNext = facts.subgroup.pNext = facts.features_13.pNext =
+  facts.id.pNext = facts.driver.pNext = facts.subgroup.pNext = facts.features_12.pNext = facts.features_13.pNext =
       nullptr;  // the facts may be copied
   facts.surface_id_format = format_features(device, VK_FORMAT_R32G32_UINT);
   facts.depth_format = format_features(device, VK_FORMAT_D32_SFLOAT);
@@ -150,6 +156,11 @@ std::vector<std::string> missing_options(const DeviceFacts& facts) {
   }
   if (facts.features.multiDrawIndirect != VK_TRUE) {
     notes.push_back(fmt::format("{}: feature multiDrawIndirect is missing; bodies are drawn with one command a type",
+                                facts.properties.deviceName));
+  }
+  if (!has_wide_atomics(facts)) {
+    notes.push_back(fmt::format("{}: feature shaderInt64 or shaderBufferInt64Atomics is missing; compute shaders draw "
+                                "triangles in two rounds",
                                 facts.properties.deviceName));
   }
   return notes;

@@ -27,6 +27,7 @@ struct DeviceFacts {
   VkPhysicalDeviceDriverProperties driver{};
   VkPhysicalDeviceIDProperties id{};
   VkPhysicalDeviceFeatures features{};
+  VkPhysicalDeviceVulkan12Features features_12{};
   VkPhysicalDeviceVulkan13Features features_13{};
   VkFormatFeatureFlags surface_id_format = 0;  // VK_FORMAT_R32G32_UINT, optimal tiling
   VkFormatFeatureFlags depth_format = 0;       // VK_FORMAT_D32_SFLOAT
@@ -39,6 +40,9 @@ struct DeviceFacts {
 // (Pipeline::compute): the nearest to 16 that it has.
 [[nodiscard]] bool can_require_subgroups(const DeviceFacts& facts);
 [[nodiscard]] std::uint32_t compute_subgroup_size(const DeviceFacts& facts);
+
+// Whether shaders may take the maximum of words of 64 bits in a buffer.
+[[nodiscard]] bool has_wide_atomics(const DeviceFacts& facts);
 
 // The device has Vulkan 1.3.
 [[nodiscard]] DeviceFacts read_facts(VkPhysicalDevice device);

@@ -200,7 +200,12 @@ Status Device::create_logical(const DeviceOptions& options) {
   features_13.dynamicRendering = VK_TRUE;
   features_13.maintenance4 = VK_TRUE;
   features_13.subgroupSizeControl = facts_.features_13.subgroupSizeControl;
-  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features_13, {}};
+  VkPhysicalDeviceVulkan12Features features_12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, &features_13};
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features_12, {}};
+  if (has_wide_atomics(facts_)) {  // an option
+    features_12.shaderBufferInt64Atomics = VK_TRUE;
+    features.features.shaderInt64 = VK_TRUE;
+  }
   features.features.multiDrawIndirect = facts_.features.multiDrawIndirect;  // an option
   features.features.drawIndirectFirstInstance = VK_TRUE;
   features.features.shaderStorageImageExtendedFormats = VK_TRUE;

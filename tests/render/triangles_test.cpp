@@ -98,6 +98,25 @@ TEST_CASE("compute shaders draw objects as the rasteriser does, also large ones 
   }
 }
 
+TEST_CASE("one round over triangles gives the same bits as two") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene boxes = mixed_scene();
+  boxes.camera = {"front", {0, -3, 0.5}, {0, 5, 0}, 60, 4};
+  Scene heads = demo_scene(5, false);
+  heads.camera = {"close", {0, -6, 2}, {0, 0, 5}, 60, 4};
+  for (const Scene* scene : {&boxes, &heads}) {
+    for (const std::uint32_t samples : {0U, 16U}) {
+      FrameSettings settings = sized(240, 135, TriangleMethod::kTwoRounds, samples);
+      const auto frame = make_frame(vulkan.device(), *scene, settings);
+      const RadianceImage two = draw(*frame, *scene);
+      settings.triangles = TriangleMethod::kCompute;
+      must(frame->change(settings));
+      CHECK(two.rgb == draw(*frame, *scene).rgb);
+    }
+  }
+}
+
 TEST_CASE("more parts of large triangles than there is room for are drawn, and their edges") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

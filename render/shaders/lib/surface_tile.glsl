@@ -2,7 +2,7 @@
 // workgroup has one tile; each thread has kRows pixels, one below the other, and kBlockThreads threads in a row have
 // a block of 16 x 8 pixels. After surface.glsl, tile_test.glsl, thin.glsl and tile_list.glsl.
 //
-// All functions but cone_touches() are called by all threads of the group together.
+// All functions but cone_touches...() are called by all threads of the group together.
 layout(constant_id = FL_SPEC_GROUP) const uint kGroup = 512;  // threads: 128, 256 or 512
 const uint kRows = uint(FL_SURFACE_PX * FL_SURFACE_PX) / kGroup;
 #define FL_BLOCKS 8u
@@ -22,6 +22,17 @@ shared int box_low[2u * FL_BLOCKS][3];
 shared int box_high[2u * FL_BLOCKS][3];
 // Spheres round these boxes, then round all places on the plane and round all others. w: radius, below 0 without any.
 shared vec4 spheres[2u * FL_BLOCKS + 2u];
+// Places off the plane may be far behind each other, as bodies in front of bodies are. So those of block b also have a
+// sphere for each slice of the depths that they have in the tile, in FL_SLICES rows from FL_SLICES b on; a bit for each
+// slice with places.
+#define FL_SLICES 16u
+shared int slice_low[FL_SLICES * FL_BLOCKS][3];
+shared int slice_high[FL_SLICES * FL_BLOCKS][3];
+shared vec4 slice_spheres[FL_SLICES * FL_BLOCKS];
+shared uint slice_bits[FL_BLOCKS];
+shared uint others_near;  // bits of distances along rays
+shared uint others_far;
+const float kDeep = 1.05;  // far over near, from which on slices are used
 
 // Order-preserving integer of a float.
 int ordered(float x) {
@@ -67,6 +78,49 @@ vec4 sphere_round(ivec3 low, ivec3 high) {
   vec3 low_m = vec3(from_ordered(low.x), from_ordered(low.y), from_ordered(low.z));
   vec3 high_m = vec3(from_ordered(high.x), from_ordered(high.y), from_ordered(high.z));
   return vec4(0.5 * (low_m + high_m), 0.5001 * length(high_m - low_m) + 1e-4);
+}
+
+// After find_shapes(), where the tile has places off the plane.
+void find_slices() {
+  uint number = thread_number();
+  if (number == 0u) {
+    others_near = floatBitsToUint(kNothingM);
+    others_far = 0u;
+  }
+  if (number < FL_BLOCKS) slice_bits[number] = 0u;
+  for (uint s = number; s < FL_SLICES * FL_BLOCKS; s += kGroup) {
+    for (int i = 0; i < 3; ++i) {
+      slice_low[s][i] = 0x7fffffff;
+      slice_high[s][i] = int(0x80000000);
+    }
+  }
+  barrier();
+  for (int i = 0; i < int(kRows); ++i) {
+    if (surface[i].kind == kNothing || on_plane[i]) continue;
+    atomicMin(others_near, floatBitsToUint(surface[i].t_m));
+    atomicMax(others_far, floatBitsToUint(surface[i].t_m));
+  }
+  barrier();
+  float near_m = uintBitsToFloat(others_near);
+  float far_m = uintBitsToFloat(others_far);
+  if (!(far_m > kDeep * near_m)) return;  // the same for all threads
+  float per_m = float(FL_SLICES) / (far_m - near_m);
+  for (int i = 0; i < int(kRows); ++i) {
+    if (surface[i].kind == kNothing || on_plane[i]) continue;
+    uint slice = min(uint((surface[i].t_m - near_m) * per_m), FL_SLICES - 1u);
+    uint at = own_block() * FL_SLICES + slice;
+    atomicOr(slice_bits[own_block()], 1u << slice);
+    for (int k = 0; k < 3; ++k) {
+      atomicMin(slice_low[at][k], ordered(offset_m[i][k]));
+      atomicMax(slice_high[at][k], ordered(offset_m[i][k]));
+    }
+  }
+  barrier();
+  for (uint s = number; s < FL_SLICES * FL_BLOCKS; s += kGroup) {
+    slice_spheres[s] = sphere_round(ivec3(slice_low[s][0], slice_low[s][1], slice_low[s][2]),
+                                    ivec3(slice_high[s][0], slice_high[s][1], slice_high[s][2]));
+  }
+  barrier();
 }
 
 // Fills tile_plane, on_plane and spheres. first: the thread's first pixel; middle: the pixel in the middle, in the
@@ -123,4 +177,14 @@ bool cone_touches(BeamRow row, BeamShape bound, vec4 sphere) {
   if (kRectangle && row.squeeze > 0.0) side = radius * (max(1.0, inversesqrt(row.squeeze)) + spread);
   return p.z > -radius && p.z < row.axis.w + radius &&
          length(p.xy) < bound.lens_radius_m + spread * max(p.z, 0.0) + side;
+}
+
+// Whether it reaches a place of a block off the plane.
+bool cone_touches_others(BeamRow row, BeamShape bound, uint block) {
+  if (!cone_touches(row, bound, spheres[2u * block + 1u])) return false;
+  bool touches = slice_bits[block] == 0u;
+  for (uint bits = slice_bits[block]; bits != 0u && !touches; bits &= bits - 1u) {
+    touches = cone_touches(row, bound, slice_spheres[block * FL_SLICES + uint(findLSB(bits))]);
+  }
+  return touches;
 }

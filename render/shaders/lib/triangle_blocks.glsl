@@ -1,13 +1,18 @@
-// Who draws a triangle: small ones the thread that has it, larger ones its workgroup, and the largest a workgroup for
-// each block of pixels (drawblocks.comp). After triangles.glsl.
+// Who draws a triangle: small ones the thread that has it, larger ones its workgroup (triangle_groups.glsl), and the
+// largest a workgroup for each block of pixels (drawblocks.comp). After triangles.glsl.
 layout(set = 0, binding = FL_BINDING_DRAW_BLOCKS, std430) buffer DrawBlocksBuffer {
   DrawBlocksHead blocks_head;
   DrawBlockRow blocks[];
 };
+#ifdef FL_DRAWS_EDGES
+#define FL_BLOCKS_ASKED edge_parts[part].blocks_asked
+#define FL_BLOCKS_GROUPS edge_parts[part].blocks_x
+#else
+#define FL_BLOCKS_ASKED blocks_head.asked
+#define FL_BLOCKS_GROUPS blocks_head.groups_x
+#endif
 
-const int kAlonePx = 64;         // the most pixels that a thread tests alone
-const int kAloneExtent = 16384;  // and the longest side, so that side() fits into 32 bits
-const int kTogetherPx = 512;     // and that a workgroup tests
+const int kSmallExtent = 32000;  // the longest side, so that side() fits into 32 bits within a pixel of the triangle
 
 // The part of a triangle that is in a block.
 Triangle in_block(Triangle it, ivec2 block) {
@@ -44,9 +49,9 @@ bool leave_blocks(Triangle it, uint slot, uint t) {
     if (reach.x > reach.y) continue;
     ivec2 columns = reach / FL_BLOCK_PX;
     uint count = uint(columns.y - columns.x + 1);
-    uint at = atomicAdd(blocks_head.asked, count);
+    uint at = atomicAdd(FL_BLOCKS_ASKED, count);
     uint room = min(count, uint(FL_BLOCKS_MAX) - min(at, uint(FL_BLOCKS_MAX)));
-    atomicMax(blocks_head.groups_x, min(at + room, uint(FL_BLOCKS_MAX)));
+    atomicMax(FL_BLOCKS_GROUPS, min(at + room, uint(FL_BLOCKS_MAX)));
     for (uint i = 0u; i < room; ++i) {
       blocks[at + i] = DrawBlockRow(slot, t, uint(columns.x) + i, uint(y));
     }
@@ -56,11 +61,4 @@ bool leave_blocks(Triangle it, uint slot, uint t) {
 }
 
 bool is_drawn(Triangle it) { return all(lessThanEqual(it.low, it.high)); }
-bool is_drawn_alone(Triangle it) {
-  ivec2 size = it.high - it.low + 1;
-  return !it.open && size.x * size.y <= kAlonePx && it.extent <= kAloneExtent;
-}
-bool is_drawn_together(Triangle it) {
-  ivec2 size = it.high - it.low + 1;
-  return !it.open && size.x * size.y <= kTogetherPx;
-}
+bool is_small(Triangle it) { return !it.open && it.extent <= kSmallExtent; }

@@ -7,7 +7,7 @@ layout(set = 0, binding = FL_BINDING_BODY_VERTICES, std430) readonly buffer Vert
 layout(set = 0, binding = FL_BINDING_BODY_INDICES, std430) readonly buffer IndicesBuffer { uint indices[]; };
 // The rows of the picture that are drawn.
 #ifdef FL_DRAWS_EDGES
-layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) readonly buffer EdgePartsBuffer { EdgePartRow edge_parts[]; };
+layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) buffer EdgePartsBuffer { EdgePartRow edge_parts[]; };
 layout(push_constant) uniform PartPush { uint part; };
 int first_row() { return edge_parts[part].first; }
 int end_row() { return edge_parts[part].end; }
@@ -220,7 +220,7 @@ struct TriangleParts {
 };
 TriangleParts parts_of(ivec2 low, ivec2 high) {
   int rows = high.y - low.y + 1;
-  int width = rows < FL_GROUP_TRIANGLES ? FL_TILE_PX : FL_BLOCK_PX;
+  int width = rows < FL_THREADS ? FL_TILE_PX : FL_BLOCK_PX;
   int strips = high.x / width - low.x / width + 1;
   return TriangleParts(low, high, width, strips, strips * rows);
 }

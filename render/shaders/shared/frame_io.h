@@ -56,7 +56,8 @@
 #define FL_BINDING_BODY_DRAWN (42 + FL_LAMP_COUNT)    // heads, by mesh and level: the instances of the raster
 #define FL_BINDING_BODY_DRAWS (43 + FL_LAMP_COUNT)    // indirect draw commands, one a level
 #define FL_BINDING_PIXEL_DEPTHS (44 + FL_LAMP_COUNT)  // of triangles, one word a pixel: bits of the reversed depth
-#define FL_BINDING_PIXEL_KEYS (45 + FL_LAMP_COUNT)    // one word a pixel: ~ the number of the triangle; 0: none
+#define FL_BINDING_PIXEL_KEYS (45 + FL_LAMP_COUNT)    // one word a pixel: ~ the number of the triangle; 0: none.
+// Where depths and keys are joined: 64 bits a pixel, the bits of the depth above its key.
 // Tables of gobos in haze (render/passes/gobos.h): GoboTableRow, one an image; those that a frame builds; the images
 // that hold them, as they are read and as they are written.
 #define FL_BINDING_GOBO_TABLES (46 + FL_LAMP_COUNT)
@@ -67,7 +68,9 @@
 #define FL_BINDING_GOBO_LINES_OUT (51 + FL_LAMP_COUNT)
 #define FL_BINDING_RIMS (52 + FL_LAMP_COUNT)  // RimRow, FrameParams::rims_max a supertile
 #define FL_BINDING_CUTS (53 + FL_LAMP_COUNT)  // CutRow, FrameParams::cuts_max a supertile
-// Smooth edges: EdgeIdRow, one a pixel; the samples of pixels with edges (lib/edge_samples.glsl), and their colours;
+// Smooth edges: for each pixel which surface it shows (lib/edge_surfaces.glsl), then for each of those with an edge a
+// depth, behind which is nothing that it and its neighbours show; the samples of pixels with edges
+// (lib/edge_samples.glsl), and their colours;
 // FL_EDGE_WORDS a tile: which pixels have an edge, and where their samples are.
 #define FL_BINDING_EDGE_IDS (54 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGE_SAMPLES (55 + FL_LAMP_COUNT)
@@ -200,7 +203,7 @@
 #define FL_SPEC_TEAM (29 + FL_LAMP_COUNT)
 #define FL_SPEC_VIEW (30 + FL_LAMP_COUNT)
 #define FL_SPEC_GROUP (31 + FL_LAMP_COUNT)  // threads of a workgroup of the surface pass
-#define FL_SPEC_KEYS (32 + FL_LAMP_COUNT)  // the second pass over triangles
+#define FL_SPEC_KEYS (32 + FL_LAMP_COUNT)  // the second round over triangles
 #define FL_SPEC_GOBO_METHOD (33 + FL_LAMP_COUNT)
 #define FL_SPEC_EDGE_SAMPLES (34 + FL_LAMP_COUNT)
 #define FL_SPEC_EDGES (35 + FL_LAMP_COUNT)  // edges of solid things are smooth
@@ -222,7 +225,8 @@
 #define FL_SPEC_SHEEN (51 + FL_LAMP_COUNT)  // there are surfaces with sheen
 #define FL_SPEC_PLUMES (52 + FL_LAMP_COUNT)  // machines have plumes: selects another shader
 #define FL_SPEC_PROBES (53 + FL_LAMP_COUNT)  // probes show what surfaces with sheen mirror
-#define FL_SPEC_COUNT (54 + FL_LAMP_COUNT)
+#define FL_SPEC_JOINED (54 + FL_LAMP_COUNT)  // a pixel's depth and key are one word of 64 bits
+#define FL_SPEC_COUNT (55 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -907,13 +911,13 @@ struct EdgePartRow {
   uint bodies_x;   // ... of bodies; those of a part that is not needed are 0 ...
   uint bodies_y;
   uint bodies_z;
-  uint objects_x;  // ... and of objects
+  uint objects_x;  // ... of objects ...
   uint objects_y;
   uint objects_z;
-};
-struct EdgeIdRow {
-  uint id;           // of the surface (lib/edge_surfaces.glsl)
-  float farthest_z;  // no surface behind this depth is drawn: it is behind what the pixel and its neighbours show
+  uint blocks_x;   // ... and of blocks of large triangles, as in DrawBlocksHead
+  uint blocks_y;
+  uint blocks_z;
+  uint blocks_asked;
 };
 #define FL_GROUP_EDGES 128      // threads of a workgroup that has a tile
 #define FL_GROUP_PARTS 256      // and of the one that divides rows into parts
@@ -941,7 +945,9 @@ struct BodySlotRow {
 #define FL_CHOICE_LEVEL 0x7fffffffu
 #define FL_BODY_LEVELS 8     // levels of a mesh at most
 #define FL_GROUP_LIST 256    // threads of a workgroup that lists the bodies of a mesh
-#define FL_GROUP_TRIANGLES 64  // triangles that a workgroup draws, one a thread
+#define FL_GROUP_TRIANGLES 64  // triangles of a body that a workgroup draws, one a thread
+#define FL_OBJECT_TRIANGLES 32  // triangles of objects that a workgroup draws
+#define FL_GROUP_OBJECTS 128    // and its threads
 #define FL_WIDE_BODY_PX 16       // a body with this diameter has FL_CHOICE_WIDE
 #define FL_SLOTS_X 32768  // workgroups side by side that draw objects
 // Where a body is in the picture. For each number of joints, rows that take a place behind them to (x times w, y times
@@ -967,7 +973,8 @@ struct BodyRoundRow {
   uint triangle;  // the first that it draws
 };
 // Parts of large triangles, each drawn by a workgroup: the commands of an indirect dispatch, and how many parts have
-// been asked for. More than FL_BLOCKS_MAX are drawn by the workgroups that find them.
+// been asked for. Where edges are drawn, EdgePartRow has these instead. More than FL_BLOCKS_MAX are drawn by the
+// workgroups that find them.
 #define FL_BLOCK_PX 128
 #define FL_BLOCKS_MAX 65535
 struct DrawBlocksHead {

@@ -83,15 +83,18 @@ TEST_CASE("a device without an option is used, and a note names what is missing"
   if (!vulkan) return;
   DeviceFacts facts = vulkan.device().facts();
   facts.timestamp_bits = 64;
-  facts.features.multiDrawIndirect = VK_TRUE;
+  facts.features.multiDrawIndirect = facts.features.shaderInt64 = VK_TRUE;
+  facts.features_12.shaderBufferInt64Atomics = VK_TRUE;
   CHECK(missing_options(facts).empty());
   facts.timestamp_bits = 0;
   facts.features.multiDrawIndirect = VK_FALSE;
+  facts.features_12.shaderBufferInt64Atomics = VK_FALSE;
   CHECK(check_demands(facts));
   const auto notes = missing_options(facts);
-  REQUIRE(notes.size() == 2);
+  REQUIRE(notes.size() == 3);
   CHECK(contains(notes[0], "timestampValidBits is 0"));
   CHECK(contains(notes[1], "multiDrawIndirect"));
+  CHECK(contains(notes[2], "shaderBufferInt64Atomics"));
 }
 
 TEST_CASE("a table longer than the device can bind is refused before memory is taken") {
