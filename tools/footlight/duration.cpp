@@ -88,4 +88,10 @@ std::string show_duration(DurationNs duration_ns) {
   return fmt::format("{}:{:02}:{:02}.{}", minutes / 60, minutes % 60, rest / 10, rest % 10);
 }
 
+Status check_span(DurationNs from_ns, DurationNs end_ns) {
+  if (from_ns <= end_ns) return {};
+  return fail(ErrorCode::kBadInput, "--from {}: the log or --until ends at {}; expected an earlier time",
+              show_duration(from_ns), show_duration(end_ns));
+}
+
 }  // namespace footlight::tools

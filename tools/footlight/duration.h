@@ -16,4 +16,7 @@ namespace footlight::tools {
 // About three digits: "0 s", "12.3 us", "1.50 s", "2:03:04.5" from one minute on.
 [[nodiscard]] std::string show_duration(DurationNs duration_ns);
 
+// Fails if there is no time from --from to --until, or to the end of the log where that is not given.
+[[nodiscard]] Status check_span(DurationNs from_ns, DurationNs end_ns);
+
 }  // namespace footlight::tools

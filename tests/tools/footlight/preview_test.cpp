@@ -270,6 +270,29 @@ TEST_CASE("an X server that goes away ends the window with a message, and its re
   CHECK(footlight({"log", "info", folder.file("kept.dmxlog")}).exit_code == 0);
 }
 
+TEST_CASE("a window whose recording could not be written ends with the exit code of a failure") {
+  if (!can_open_window()) return;
+  const TempFolder folder;
+  std::ofstream(folder.file("rig.toml")) << kOnePar;
+  std::filesystem::create_directory(folder.file("gone"));
+  Display display(320, 200);
+  REQUIRE(!display.name().empty());
+  Footlight window({"preview", folder.file("rig.toml"), "--size", "160x90", "--json", "--record",
+                    folder.file("gone/kept.dmxlog")},
+                   {{"DISPLAY", display.name()},
+                    {"WAYLAND_DISPLAY", ""},
+                    {"XDG_STATE_HOME", folder.file("state")},
+                    {"ASAN_OPTIONS", "detect_leaks=0"}});
+  window.wait_for("\"event\":\"frames\"");
+  std::filesystem::remove_all(folder.file("gone"));
+  window.signal(SIGINT);
+  const Outcome outcome = window.wait();
+  if (contains(outcome.err, "libglfw3-dev")) return;
+  INFO(outcome.err);
+  CHECK(outcome.exit_code == 1);
+  CHECK(contains(outcome.err, "kept.dmxlog"));
+}
+
 TEST_CASE("a device that refuses memory ends a picture with a message that says how much it refused") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

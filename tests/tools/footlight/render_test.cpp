@@ -52,6 +52,24 @@ bool no_encoder(const Outcome& outcome) {
   return contains(outcome.err, "libav") && contains(outcome.err, "frame_%04d.png");
 }
 
+TEST_CASE("pictures from a time after the last one are refused, and no file is written") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  const std::vector<std::string> spans[] = {{"--from", "1.5s", "--until", "1s"}, {"--from", "100m"}};
+  for (const std::vector<std::string>& span : spans) {
+    std::vector<std::string> words{"render", "--demo", "--every", "40ms", "--size", "32x18",
+                                   "-o",     folder.file("late_%d.png")};
+    words.insert(words.end(), span.begin(), span.end());
+    const Outcome outcome = Footlight(words, kNoLeaks).wait();
+    CHECK(outcome.exit_code == 2);
+    CHECK(contains(outcome.err, "--from"));
+    CHECK(contains(outcome.err, "expected an earlier time"));
+    CHECK_FALSE(std::filesystem::exists(folder.file("late_0.png")));
+    CHECK_FALSE(std::filesystem::exists(folder.file("late_1.png")));
+  }
+}
+
 TEST_CASE("--error takes fixed knobs, which the file states and with which the picture can be made again") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

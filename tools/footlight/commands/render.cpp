@@ -1,6 +1,5 @@
 // footlight render: makes pictures and videos of a rig driven by a log, without a display.
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -492,6 +491,7 @@ Result<int> render_pictures(const Options& options) {
   } else {
     const DurationNs end_ns = options.until_ns >= 0 ? options.until_ns : timeline ? timeline->duration_ns() : 0;
     const DurationNs exposure_ns = options.exposure_ns >= 0 ? options.exposure_ns : options.every_ns;
+    FL_TRY(check_span(options.from_ns, end_ns));
     // A picture of a video lasts until the next one, so none begins at the end; but there is at least one.
     const DurationNs last_ns = is_video(options.out) ? std::max(end_ns - 1, options.from_ns) : end_ns;
     const DurationNs span_ns = std::max<DurationNs>(last_ns - options.from_ns, 0);

@@ -48,6 +48,7 @@ void Preview::report_recording(bool waits) {
   const std::string& news = done ? *done : done.error().message;
   if (!options_.json) std::fputs(("footlight: " + news + "\n").c_str(), stderr);
   tell(tr_known(news), !done);
+  recording_failed_ = recording_failed_ || !done;
   if (done && !waits) offer_recording();
 }
 

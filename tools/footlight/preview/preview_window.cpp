@@ -58,6 +58,7 @@ Result<int> Preview::run() {
   end_recording();
   report_recording(true);
   end_edits();
+  if (result && recording_failed_) return kExitFailed;
   return result;
 }
 

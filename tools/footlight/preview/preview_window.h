@@ -352,6 +352,7 @@ class Preview {
   std::unique_ptr<Recording> recording_;    // null: nothing is recorded
   std::future<Result<std::string>> ended_;  // valid: a recording is being written to its end
   std::string ended_path_;                  // its file
+  bool recording_failed_ = false;           // one of this run: the exit code is that of a failure
   std::string recorded_;                    // a file that the window offers to play; empty: none
   TimeNs step_ns_ = 0;                      // when the step that is given next begins, of live inputs and faders
   std::unique_ptr<LiveOutputs> outputs_;    // null: there are none
