@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "fixtures/bodies/body.h"
+#include "fixtures/bodies/closed.h"
 #include "fixtures/bodies/levels.h"
 #include "render/texture_tables.h"
 
@@ -180,6 +182,31 @@ void add_boxes(const fixtures::BodyMesh& mesh, const std::optional<std::uint32_t
   }
 }
 
+// The shells of objects, a row for each workgroup that has triangles of closed ones.
+std::vector<ObjectShellsRow> object_shells(const fixtures::BodyMesh& mesh, const fixtures::ShellOrder& order) {
+  struct Box {
+    glm::vec3 low{std::numeric_limits<float>::max()};
+    glm::vec3 high{std::numeric_limits<float>::lowest()};
+  };
+  std::vector<Box> boxes(order.number.size());
+  for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
+    const float* p = mesh.vertices[mesh.indices[i]].position;
+    Box& box = boxes[order.number[i / 3]];
+    box.low = glm::min(box.low, glm::vec3(p[0], p[1], p[2]));
+    box.high = glm::max(box.high, glm::vec3(p[0], p[1], p[2]));
+  }
+  std::vector<ObjectShellsRow> rows;
+  for (std::size_t first = 0; first < order.closed; first += FL_OBJECT_TRIANGLES) {
+    Box all;
+    for (std::size_t t = first; t < std::min<std::size_t>(first + FL_OBJECT_TRIANGLES, order.closed); ++t) {
+      all.low = glm::min(all.low, boxes[order.number[t]].low);
+      all.high = glm::max(all.high, boxes[order.number[t]].high);
+    }
+    rows.push_back({vec4(all.low, 0), vec4(all.high, 0)});
+  }
+  return rows;
+}
+
 }  // namespace
 
 Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
@@ -195,10 +222,11 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   std::vector<BodyBoxRow> boxes;
   std::vector<VkDrawIndexedIndirectCommand> draws;
   std::uint64_t rounds = 0;  // workgroups that draw bodies, at most
-  const auto add = [&](const fixtures::BodyMesh& mesh, std::uint32_t count, double error_m) {
+  const auto add = [&](const fixtures::BodyMesh& mesh, const fixtures::ShellOrder& order, std::uint32_t count,
+                       double error_m) {
     levels.push_back({static_cast<std::uint32_t>(indices.size()), static_cast<std::uint32_t>(mesh.indices.size()),
                       static_cast<std::uint32_t>(vertices.size()), static_cast<float>(error_m),
-                      static_cast<std::uint32_t>(r.body_triangles), 0});
+                      static_cast<std::uint32_t>(r.body_triangles), order.outward, order.closed});
     draws.push_back({static_cast<std::uint32_t>(mesh.indices.size()), count, static_cast<std::uint32_t>(indices.size()),
                      static_cast<std::int32_t>(vertices.size()), 0});
     vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
@@ -218,9 +246,10 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
     mesh.slot_first = static_cast<std::uint32_t>(slots.size());
     mesh.slot_count = static_cast<std::uint32_t>(heads[t].size());
     mesh.level_first = static_cast<std::uint32_t>(levels.size());
-    for (const fixtures::BodyLevel& level : fixtures::body_levels(body)) {
+    for (fixtures::BodyLevel& level : fixtures::body_levels(body)) {
       r.level_triangles.push_back(static_cast<std::uint32_t>(level.mesh.indices.size() / 3));
-      add(level.mesh, 0, level.error_m);
+      const fixtures::ShellOrder order = fixtures::order_by_shells(level.mesh, FL_PART_DEPTH);
+      add(level.mesh, order, 0, level.error_m);
       ++mesh.level_count;
     }
     const std::uint64_t triangles = body.indices.size() / 3;
@@ -239,8 +268,11 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   ObjectTextures textures;
   if (r.has_bodies) objects = objects_of(rig, diagnostics, object_solids, textures, sheens);
   FL_TRY(make_texture_tables(device, textures, r));
+  std::vector<ObjectShellsRow> shells;
   if (!objects.indices.empty()) {
-    add(objects, 1, 0);
+    const fixtures::ShellOrder order = fixtures::order_by_shells(objects, 0);
+    shells = object_shells(objects, order);
+    add(objects, order, 1, 0);
     r.object_triangles = objects.indices.size() / 3;
     for (const fixtures::BodyVertex& vertex : objects.vertices) {
       const glm::dvec3 at(vertex.position[0], vertex.position[1], vertex.position[2]);
@@ -262,6 +294,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
                                                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                                         VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                                                         VK_BUFFER_USAGE_TRANSFER_DST_BIT));
+  FL_ASSIGN(r.object_shells, vk::Buffer::table(device, shells));
   FL_ASSIGN(r.drawn, vk::Buffer::table(device, std::vector<std::uint32_t>(slots.size(), 0)));
   return {};
 }

@@ -33,7 +33,7 @@ static_assert(sizeof(TileDepthRow) == 32);
 static_assert(sizeof(CoarseRow) == 208);
 static_assert(sizeof(BoxRow) == 48);
 static_assert(sizeof(BodyMeshRow) == 80);
-static_assert(sizeof(BodyLevelRow) == 24);
+static_assert(sizeof(BodyLevelRow) == 28);
 static_assert(sizeof(BodySpaceRow) == 208 && sizeof(BodyRoundsHead) == 16 && sizeof(BodyRoundRow) == 8);
 static_assert(sizeof(EdgePartRow) == 68);
 static_assert(sizeof(DrawBlocksHead) == 16 && sizeof(DrawBlockRow) == 16);

@@ -42,7 +42,7 @@ std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
   known += groups.add("bodies and scenery",
                       {&rig.boxes, &rig.slots, &rig.meshes, &rig.body_levels, &rig.vertices, &rig.indices, &rig.draws,
                        &rig.occluders, &rig.body_boxes, &rig.choices, &rig.drawn, &rig.body_spaces, &rig.body_rounds,
-                       &rig.textures, &rig.texture_texels, &rig.object_uvs});
+                       &rig.object_shells, &rig.textures, &rig.texture_texels, &rig.object_uvs});
   known += groups.add("gobos", {&rig.gobo_tables, &rig.gobo_queue, &rig.gates},
                       {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images});
   known += groups.add("beams", {&rig.beams, &rig.blades});

@@ -146,6 +146,7 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_BODY_CHOICES, &R::choices},
     {FL_BINDING_BODY_SPACES, &R::body_spaces},
     {FL_BINDING_BODY_ROUNDS, &R::body_rounds},
+    {FL_BINDING_OBJECT_SHELLS, &R::object_shells},
     {FL_BINDING_BODY_DRAWN, &R::drawn},
     {FL_BINDING_BODY_DRAWS, &R::draws},
     {FL_BINDING_TEXTURES, &R::textures},
@@ -854,7 +855,8 @@ std::uint64_t Resources::body_bytes() const {
   const vk::Buffer* const buffers[] = {
       &rig.slots,   &rig.meshes, &rig.body_boxes, &rig.body_levels,   &rig.vertices,
       &rig.indices, &rig.draws,  &rig.choices,    &rig.drawn, &picture.pixel_depths, &picture.pixel_keys,
-      &picture.draw_blocks, &rig.body_spaces, &rig.body_rounds, &rig.textures, &rig.texture_texels, &rig.object_uvs};
+      &picture.draw_blocks, &rig.body_spaces, &rig.body_rounds, &rig.object_shells, &rig.textures,
+      &rig.texture_texels, &rig.object_uvs};
   for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
   return bytes;
 }

@@ -102,6 +102,7 @@ struct RigTables {
   vk::Buffer haze;               // HazeField
   vk::Image haze_table;          // of haze that is not even; a texel where it is even
   vk::Buffer body_spaces, body_rounds;  // BodySpaceRow; BodyRoundsHead, then BodyRoundRow
+  vk::Buffer object_shells;             // ObjectShellsRow
   vk::Buffer choices, drawn;     // one word a body: its level; heads that the rasteriser draws, by mesh and level
   vk::Buffer counts;             // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
 

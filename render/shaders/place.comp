@@ -41,6 +41,7 @@ void main() {
   float px_per_m = 0.0;     // of the mesh, at most, where it is visible
   float diameter_px = 0.0;  // at most, of the largest part, visible or not
   vec2 rows = vec2(1e9, -1e9);
+  uint away = 0u;
   for (uint depth = 0u; depth < 4u; ++depth) {
     vec4 sphere = mesh.sphere[depth];
     if (sphere.w < 0.0) continue;
@@ -52,6 +53,7 @@ void main() {
     float away_m = length(centre);
     // What float loses of a place grows with its distance from the stage's origin and from the camera.
     float radius_m = sphere.w * scale * 1.001 + 1e-5 + 2e-6 * (away_m + length(params.position.xyz));
+    if (away_m > radius_m + near_reach_m()) away |= away_in(space) << (2u * depth);
     float z = dot(centre, params.forward.xyz);
     float x = abs(dot(centre, params.right.xyz)) / tan_x;
     float y = abs(dot(centre, params.up.xyz)) / tan_y;
@@ -81,5 +83,6 @@ void main() {
   choices[slot] = choice;
   spaces[slot].first_px = rows.x;
   spaces[slot].last_px = rows.y;
+  spaces[slot].away = away;
   if (choice != FL_CHOICE_NONE) add_rounds(slot, levels[choice & FL_CHOICE_LEVEL].index_count / 3u);
 }

@@ -254,9 +254,9 @@ TEST_CASE("the memory of a pass counts only buffers and images that no earlier p
   };
   const fixtures::Needs needs = scene.compiled.needs;
   constexpr std::uint64_t kPixels = 640 * 360;
-  // Identity, depth and triangle; a texel of the rasteriser's depth; parts of large triangles.
+  // Identity; depth; depth and triangle in 64 bits; a texel of the rasteriser's depth; parts of large triangles.
   CHECK(bytes_of(needs, "bodies") ==
-        kPixels * (8 + 4 + 4) + 4 + sizeof(DrawBlocksHead) + FL_BLOCKS_MAX * sizeof(DrawBlockRow));
+        kPixels * (8 + 4 + 8) + 4 + sizeof(DrawBlocksHead) + FL_BLOCKS_MAX * sizeof(DrawBlockRow));
   CHECK(bytes_of(needs, "frame") == kPixels * (16 + 4) + sizeof(FrameParams) + sizeof(CountsRow) + 8);
   CHECK(bytes_of(needs, "tonemap") == sizeof(MeterRow));
   CHECK(bytes_of(needs, "tiles") == 4 * 10 * 6 * ((scene.compiled.beams_max + 63) / 64 * 2));

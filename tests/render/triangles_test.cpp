@@ -1,8 +1,11 @@
 // Triangles that compute shaders draw, against those of the rasteriser: large ones, ones behind the camera, textures.
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 #include <glm/gtc/matrix_transform.hpp>
@@ -18,6 +21,7 @@ namespace {
 
 using namespace render::testing;
 using footlight::testing::box_3ds;
+using footlight::testing::file_3ds;
 using footlight::testing::HeadlessVulkan;
 using footlight::testing::MemoryFiles;
 using footlight::testing::quad_glb;
@@ -95,6 +99,65 @@ TEST_CASE("compute shaders draw objects as the rasteriser does, also large ones 
     CHECK((pixels.shown > 5000 || camera.name == "away"));
     CHECK(pixels.others <= pixels.shown / 500 + 1);
     CHECK(pixels.brightness <= pixels.shown / 100 + 1);
+  }
+}
+
+constexpr float kBoxPoints[] = {0, 0, 0,    1000, 0, 0,    0, 1000, 0,    1000, 1000, 0,
+                                0, 0, 1000, 1000, 0, 1000, 0, 1000, 1000, 1000, 1000, 1000};
+constexpr std::uint16_t kBoxCorners[] = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                                         2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+
+// Closed boxes, one of them mirrored, one whose triangles face inwards, and one without two of its sides.
+Scene shells_scene() {
+  Scene scene = boxes_scene({});
+  std::vector<std::uint16_t> corners(std::begin(kBoxCorners), std::end(kBoxCorners));
+  const std::vector<float> points(std::begin(kBoxPoints), std::end(kBoxPoints));
+  std::vector<std::uint16_t> inward;
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    inward.insert(inward.end(), {corners[i], corners[i + 2], corners[i + 1]});
+  }
+  const std::vector<std::uint16_t> open(corners.begin() + 12, corners.end());
+  scene.rig.files = std::make_shared<MemoryFiles>(
+      std::map<std::string, std::string>{{"box.3ds", box_3ds(1000, 1000, 1000)},
+                                         {"inward.3ds", file_3ds(points, inward, {255, 0, 128})},
+                                         {"open.3ds", file_3ds(points, open, {255, 0, 128})}});
+  fixtures::SceneObject object;
+  object.name = "shells";
+  object.parts.push_back({"box.3ds", box_at({0, 0, 0}, {1, 1, 1}, 10)});
+  object.parts.push_back({"box.3ds", box_at({3, 0, 0}, {-1, 1, 0.7}, 20)});
+  object.parts.push_back({"inward.3ds", box_at({4, 0, 0}, {1, 1, 1}, 30)});
+  object.parts.push_back({"open.3ds", box_at({6, 0, 0}, {1, 1, 1}, 40)});
+  scene.rig.objects.push_back(object);
+  scene.compile();
+  return scene;
+}
+
+// The rasteriser draws both sides of all triangles.
+TEST_CASE("triangles that face away are left out of closed objects only, and not round the camera") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = shells_scene();
+  for (const std::uint32_t samples : {0U, 16U}) {
+    const auto raster = make_frame(vulkan.device(), scene, sized(240, 135, TriangleMethod::kRasteriser, samples));
+    const auto compute = make_frame(vulkan.device(), scene, sized(240, 135, TriangleMethod::kCompute, samples));
+    std::vector<fixtures::Camera> cameras = {{"front", {3, -5, 1.5}, {3, 0, 0.4}, 50, 4},
+                                             {"behind", {3, 6, 1.5}, {3, 0, 0.4}, 50, 4},
+                                             {"above", {3, 0.2, 6}, {3, 0.4, 0}, 50, 4},
+                                             {"below", {3, 0.2, -6}, {3, 0.4, 0}, 50, 4}};
+    for (const double x_m : {0.5, 2.5, 4.5, 6.5}) {
+      cameras.push_back({"within", {x_m, 0.6, 0.4}, {3, 3, 0.7}, 90, 4});
+      cameras.push_back({"close", {x_m, -0.4, 0.5}, {x_m, 1, 0.5}, 90, 4});
+    }
+    for (const fixtures::Camera& camera : cameras) {
+      CAPTURE(camera.name);
+      CAPTURE(camera.position_m.x);
+      scene.camera = camera;
+      const RadianceImage one = draw(*raster, scene);
+      const Unlike pixels = unlike(one, draw(*compute, scene));
+      CHECK(pixels.shown > 2000);
+      CHECK(pixels.others <= pixels.shown / 500 + 1);
+      CHECK(pixels.brightness <= pixels.shown / 100 + 1);
+    }
   }
 }
 

@@ -38,6 +38,22 @@ float exact_dot(vec3 a, vec3 b) {
   return sum;
 }
 
+// Beyond the surface of a shell, how far the camera may be while the near plane still cuts it, m.
+float near_reach_m() {
+  float right = length(params.right.xyz);
+  float up = length(params.up.xyz);
+  return params.right.w * sqrt(1.0 + right * right + up * up);
+}
+// FL_AWAY_... of a space with these rows, for a camera outside the shells there. A corner of a triangle less the eye,
+// times the rows, is (x times w, y times w, w), so an outward triangle that faces the eye has an area in the picture
+// with the other sign than their determinant. A space that is nearly flat has no sign.
+uint away_in(mat3x4 space) {
+  float volume = dot(cross(space[0].xyz, space[1].xyz), space[2].xyz);
+  float most = length(space[0].xyz) * length(space[1].xyz) * length(space[2].xyz);
+  if (!(abs(volume) > 1e-3 * most)) return 0u;
+  return volume > 0.0 ? FL_AWAY_POSITIVE : FL_AWAY_NEGATIVE;
+}
+
 // Rows that take a place in it to (x times w, y times w, w); x and y in pixels from the picture's middle.
 mat3x4 space_of(Placed at) {
   precise vec3 across = params.right.xyz * (0.5 * float(params.width) / exact_dot(params.right.xyz, params.right.xyz));

@@ -12,8 +12,6 @@ layout(set = 0, binding = FL_BINDING_DRAW_BLOCKS, std430) buffer DrawBlocksBuffe
 #define FL_BLOCKS_GROUPS blocks_head.groups_x
 #endif
 
-const int kSmallExtent = 32000;  // the longest side, so that side() fits into 32 bits within a pixel of the triangle
-
 // The part of a triangle that is in a block.
 Triangle in_block(Triangle it, ivec2 block) {
   it.low = max(it.low, block * FL_BLOCK_PX);

@@ -39,7 +39,7 @@ void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number,
   uint t = base + own;
   if (own < FL_TRIANGLES && t < level.index_count / 3u) {
     Triangle it = triangle_of(level, t);
-    if (!is_drawn(it)) {
+    if (!is_drawn(it) || faces_away(level, t, it)) {
     } else if (!is_wide || is_small(it)) {
       SmallTriangle w = small_of(it, first_number + t, head);
       if (!is_wide || is_drawn_alone(w)) {

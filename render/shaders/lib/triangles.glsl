@@ -17,15 +17,19 @@ int end_row() { return int(params.height); }
 #endif
 
 const float kSubpixels = 256.0;
+const int kSmallExtent = 32000;  // the longest side, so that side() fits into 32 bits within a pixel of the triangle
 const float kFarthestPx = 65536.0;  // from the picture's corner: farther places are not exact in float
 
 // As BodySpaceRow: of the body whose triangles the workgroup draws; of objects the first three.
 shared vec4 to_picture[12];
+shared uint away;  // as BodySpaceRow
 layout(set = 0, binding = FL_BINDING_BODY_SPACES, std430) readonly buffer SpacesBuffer { BodySpaceRow spaces[]; };
 
-// With all threads, and a barrier after it. slot: FL_NONE for objects.
+// With all threads, and a barrier after it. slot: FL_NONE for objects. Of objects both sides are drawn, unless thread 0
+// sets `away` before the barrier.
 void begin_space(uint slot) {
   uint i = gl_LocalInvocationIndex;
+  if (i == 0u) away = slot == FL_NONE ? 0u : spaces[slot].away;
   if (slot == FL_NONE) {
     mat3x4 space = space_of(stage_space());
     if (i < 3u) to_picture[i] = space[i];
@@ -129,6 +133,19 @@ float wide_float(ivec2 v) {
   if (v.x < 0) amount = uvec2(~amount.x + (amount.y == 0u ? 1u : 0u), ~amount.y + 1u);
   float size = float(amount.x) * 4294967296.0 + float(amount.y);
   return v.x < 0 ? -size : size;
+}
+
+// Whether a triangle of a closed shell shows only its inner side, or nothing. By the exact area in the picture: then
+// what such triangles cover is covered by others of their shell that do not face away.
+bool faces_away(BodyLevelRow level, uint t, Triangle it) {
+  if (t >= level.closed_count || it.open) return false;
+  uint way = away >> ((it.part & FL_OBJECT) != 0u ? 0u : 2u * (it.part & uint(FL_PART_DEPTH))) & 3u;
+  if (way == 0u) return false;
+  ivec2 area = ivec2(0, side(it.p0, it.p1 - it.p0, it.p2));
+  if (it.extent > kSmallExtent) area = wide_side(it.p0, it.p1 - it.p0, it.p2);
+  else area.x = area.y < 0 ? -1 : 0;
+  bool positive = (way == FL_AWAY_POSITIVE) == (t < level.outward_count);
+  return area == ivec2(0) || (area.x >= 0) == positive;
 }
 
 // Three numbers that are linear in the picture, all 0 or more in the triangle, and whose weighted sum is the depth

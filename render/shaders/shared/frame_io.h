@@ -166,7 +166,8 @@
 // the texels of each probe, level after level (shared/probe.h).
 #define FL_BINDING_PROBES (120 + FL_LAMP_COUNT)
 #define FL_BINDING_PROBE_LIGHT (121 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (122 + FL_LAMP_COUNT)
+#define FL_BINDING_OBJECT_SHELLS (122 + FL_LAMP_COUNT)  // ObjectShellsRow, one for each FL_OBJECT_TRIANGLES triangles
+#define FL_BINDING_COUNT (123 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -881,7 +882,8 @@ struct BodyLevelRow {
   uint vertex_first;
   float error_m;
   uint triangle_first;  // of objects: the number of the first triangle, after those of bodies
-  uint pad;
+  uint outward_count;   // its first triangles, of closed shells, counter-clockwise seen from outside ...
+  uint closed_count;    // ... and the next ones up to here, clockwise; those after them may be seen from both sides
 };
 struct TreeRow {  // as fixtures::TreeNode
   float low_x;
@@ -951,13 +953,21 @@ struct BodySlotRow {
 #define FL_WIDE_BODY_PX 16       // a body with this diameter has FL_CHOICE_WIDE
 #define FL_SLOTS_X 32768  // workgroups side by side that draw objects
 // Where a body is in the picture. For each number of joints, rows that take a place behind them to (x times w, y times
-// w, w); x and y in pixels from the picture's middle. Then the rows of pixels that it may cover.
+// w, w); x and y in pixels from the picture's middle. Then the rows of pixels that it may cover, and two bits for each
+// number of joints, FL_AWAY_...: which triangles of closed shells face away there, 0 if the camera may be within them.
+#define FL_AWAY_POSITIVE 1u  // outward ones with a positive area in the picture
+#define FL_AWAY_NEGATIVE 2u
 struct BodySpaceRow {
   vec4 to_picture[12];
   float first_px;
   float last_px;
-  float pad_1;
-  float pad_2;
+  uint away;
+  uint pad;
+};
+// The box in stage space, m, round all closed shells that have one of a workgroup's triangles of objects.
+struct ObjectShellsRow {
+  vec4 low;
+  vec4 high;
 };
 // The workgroups that draw bodies: the commands of an indirect dispatch, and how many there are, FL_ROUNDS_X side by
 // side.
