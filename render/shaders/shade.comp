@@ -252,7 +252,9 @@ void main() {
       uint count = list_team_entries(id, picks, cell_of, is_dark);
       bool fits = count <= kTeamRoom;
       uint first_entry = team_number() * kTeamRoom;
-      uint tried = is_taken && fits ? count : 0u;
+      // Beams with gobos are left to the beam pass: dark parts are those of beams with nothing in them.
+      bool plain = (row.flags & FL_BEAM_PLAIN) != 0u;
+      uint tried = is_taken && fits && plain ? count : 0u;
       bool known = true;
       float dark[kPer];
       float f[kPer];

@@ -77,34 +77,40 @@ TEST_CASE("beams that several surfaces of a tile cut are taken together") {
   CHECK(share < 0.45);
 }
 
+// Lamps that shine down beside each other in front of the camera, with a star in each.
+Scene gobos_scene(bool turned) {
+  Scene scene = gates_scene(1);
+  const int slots = scene.rig.types[0].modes[0].slot_count;
+  const int per_universe = kSlotCountMax / slots;
+  for (int i = 1; i < 40; ++i) {
+    fixtures::PatchedFixture lamp = scene.rig.fixtures[0];
+    lamp.name = "Lamp " + std::to_string(i + 1);
+    lamp.universe = 1 + i / per_universe;
+    lamp.address = 1 + i % per_universe * slots;
+    scene.rig.fixtures.push_back(lamp);
+  }
+  Random random(43);
+  scene.rig.boxes.clear();
+  scene.rig.cameras.front() = {"beside", {0, -14, 3}, {0, 0, 3}, 6, 4};
+  scene.camera = scene.rig.cameras.front();
+  for (fixtures::PatchedFixture& lamp : scene.rig.fixtures) {
+    lamp.position_m = {random.between(-1, 1), random.between(-1, 1), 7};
+    lamp.rotation_deg = {turned ? random.between(-20, 20) : 0.0, 0, turned ? random.between(-180, 180) : 0.0};
+  }
+  scene.compile();
+  for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
+    scene.set(i, "Zoom", random.between(6, 24));
+    scene.set(i, "Gobo1WheelIndex", 270);
+    scene.set(i, "Gobo1Pos", random.between(0, 360));
+  }
+  return scene;
+}
+
 TEST_CASE("beams with gobos whose chords cross the whole disc are taken together") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   for (const bool turned : {false, true}) {
-    Scene scene = gates_scene(1);
-    const int slots = scene.rig.types[0].modes[0].slot_count;
-    const int per_universe = kSlotCountMax / slots;
-    for (int i = 1; i < 40; ++i) {
-      fixtures::PatchedFixture lamp = scene.rig.fixtures[0];
-      lamp.name = "Lamp " + std::to_string(i + 1);
-      lamp.universe = 1 + i / per_universe;
-      lamp.address = 1 + i % per_universe * slots;
-      scene.rig.fixtures.push_back(lamp);
-    }
-    Random random(43);
-    scene.rig.boxes.clear();
-    scene.rig.cameras.front() = {"beside", {0, -14, 3}, {0, 0, 3}, 6, 4};
-    scene.camera = scene.rig.cameras.front();
-    for (fixtures::PatchedFixture& lamp : scene.rig.fixtures) {
-      lamp.position_m = {random.between(-1, 1), random.between(-1, 1), 7};
-      lamp.rotation_deg = {turned ? random.between(-20, 20) : 0.0, 0, turned ? random.between(-180, 180) : 0.0};
-    }
-    scene.compile();
-    for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
-      scene.set(i, "Zoom", random.between(6, 24));
-      scene.set(i, "Gobo1WheelIndex", 270);
-      scene.set(i, "Gobo1Pos", random.between(0, 360));
-    }
+    const Scene scene = gobos_scene(turned);
     FrameSettings settings = judged_settings(128, 72);
     settings.gobo_method = GoboMethod::kTables;
     const std::string what = turned ? "turned gobos" : "gobos";
@@ -114,6 +120,42 @@ TEST_CASE("beams with gobos whose chords cross the whole disc are taken together
     std::fprintf(stderr, "%s: %.1f %% pixel by pixel\n", what.c_str(), 100 * share);
     CHECK(share < 0.8);  // without the others, which a lens cuts, 1
   }
+}
+
+TEST_CASE("beams with gobos that are taken together have their shadows, and their light with any number of nodes") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = gobos_scene(false);
+  FrameSettings settings = judged_settings(64, 36);
+  settings.gobo_method = GoboMethod::kTables;
+  settings.nodes = 5;
+  check_against_general(vulkan.device(), scene, settings, "gobos, 5 nodes");
+  settings.nodes = 3;
+  const std::vector<std::uint8_t> levels = scene.levels;
+  scene.rig.boxes.push_back({"roof", {-2, -2, 6}, {0, 2, 6.1}, glm::dvec3(0.3)});  // above the picture
+  scene.compile();
+  scene.levels = levels;
+  check_against_general(vulkan.device(), scene, settings, "gobos with shadows");
+}
+
+TEST_CASE("beams nearly across the view go on to the sky beside posts") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = lamps_scene(44, 40);
+  const std::vector<std::uint8_t> levels = scene.levels;
+  for (fixtures::PatchedFixture& lamp : scene.rig.fixtures) lamp.rotation_deg = {0, 0, 0};
+  Random random(45);
+  for (int i = 0; i < 30; ++i) {
+    const glm::dvec3 foot(random.between(-4, 4), random.between(-4, 10), 0);
+    scene.rig.boxes.push_back({"post", foot, foot + glm::dvec3(0.1, 0.1, 7), glm::dvec3(0.3)});
+  }
+  scene.rig.cameras.front() = {"level", {0, -14, 3}, {0, 0, 3}, 20, 4};
+  scene.camera = scene.rig.cameras.front();
+  scene.compile();
+  scene.levels = levels;
+  FrameSettings settings = judged_settings(129, 73);
+  settings.shadows = false;
+  check_against_general(vulkan.device(), scene, settings, "level camera");
 }
 
 }  // namespace

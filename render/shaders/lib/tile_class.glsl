@@ -61,8 +61,8 @@ const uint kGuessRecord = 8u;      // there is a record for what is not smooth
 const uint kGuessCutBefore = 16u;  // what cuts the near end
 const uint kGuessCutAfter = 32u;
 const uint kGuessShadowed = 64u;   // what shadows hide of it is subtracted later (beams.comp)
-const uint kGuessGobo = 256u;      // an image stands in it (FL_GOBO_TILES)
 const uint kGuessSurfaces = 128u;  // several surfaces cut the far end: each pixel's own (FL_TILE_SURFACES)
+const uint kGuessGobo = 256u;      // an image stands in it (FL_GOBO_TILES)
 struct TileGuess {
   uint bits;         // 0: dark, or general
   bool is_dark;
@@ -129,7 +129,7 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
       float radius;
       float wide;
       thin_meets(beam, row, eye, ray, 1.0 / ray_length, end_m, radius, wide);
-      if (!(wide < 0.8 * radius * thin_scale(beam, true))) own = 0u;
+      if (!(wide < 0.8 * radius * thin_scale(beam, tile_knows(row)))) own = 0u;
     }
     Chord chord;
     ChordLine line;
@@ -193,7 +193,7 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
   if (surfaces && !whole_before) return guess;
   if (whole_before && whole_after && !surfaces) {
     guess.bits = kGuessWhole | kGuessRecord | (inside ? kGuessSmooth : 0u);
-    guess.fit.y = min(longest, 1.0);
+    guess.fit.y = clamp(longest, kFitHalfMin, 1.0);
   } else {
     bool from_one = (bits & (kFromLens | kFromEye)) != 0u;
     bool to_one = (bits & (kToRange | kToPlane)) != 0u;

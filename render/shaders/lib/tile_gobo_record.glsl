@@ -2,9 +2,10 @@
 // at each pixel, quadratics g, and the table of whole chords does the rest. After tile_surfaces.glsl, tile_record.glsl and
 // tile_gobo.glsl.
 
-// The eye is not so near the plane of the beam's apex that float loses the line: 1e-4 of the image's radius, or less.
+// g is fitted with few nodes, and the eye is not so near the plane of the beam's apex that float loses the line: a
+// distance of the image's radius times 1e3 leaves 1e-4 of it.
 bool gobo_known(BeamRow row) {
-  return length(row.eye.xy) < 1e3 * abs(row.x_axis.w + row.y_axis.w * row.eye.z);
+  return kNodes <= 3u && length(row.eye.xy) < 1e3 * abs(row.x_axis.w + row.y_axis.w * row.eye.z);
 }
 
 #ifdef FL_GOBO_TILES

@@ -20,7 +20,7 @@ SurfaceEnd surface_end(BeamRow row, vec2 middle, float half_px) {
   return end;
 }
 // at: x, y and 1 / depth. Before the apex of a beam that comes from there it is dark, beyond that of one that goes there
-// nothing is cut.
+// nothing is cut. Far away on a ray nearly across the beam place.z is small and s is large, as it should be.
 float surface_s(SurfaceEnd end, vec3 at) {
   vec3 way = vec3(dot(end.of[0].xyz, vec3(1.0, at.xy)), dot(end.of[1].xyz, vec3(1.0, at.xy)),
                   dot(end.of[2].xyz, vec3(1.0, at.xy)));
@@ -28,5 +28,5 @@ float surface_s(SurfaceEnd end, vec3 at) {
   vec3 place = way + at.z * eye;
   vec2 v = way.xy * eye.z - eye.xy * way.z;
   float s = dot(v, place.xy) * inversesqrt(max(dot(v, v), 1e-30)) / place.z;
-  return place.z > 1e-9 ? s : way.z > 0.0 ? -4.0 : 4.0;
+  return place.z > 0.0 ? s : way.z > 0.0 ? -4.0 : 4.0;
 }
