@@ -54,11 +54,10 @@ uint supertile() {
   return cell.y * params.supertiles_x + cell.x;
 }
 
-// FL_ONE_ROW: a thread has one pixel. On an H200 at 3840 x 2160 (`footlight report --pictures --quick --no-judge --gobos
-// --beams N`, whole frame) beams take 106 ms with four, 104 with two and 98 with one for 10,000 beams and --shadows off,
-// 57.9, 52.0 and 44.1 for 1,000 with shadows; without gobos 3.6 with four and 5.6 with one (10,000, --shadows off).
-// On lavapipe one row takes twice the time of four: 440 instead of 230 ms (`footlight render --demo --from 12s --until
-// 12.2s --every 40ms --size 640x360 --json`).
+// FL_ONE_ROW: a thread has one pixel, where gobos have tables. On an H200 at 3840 x 2160 10,000 beams with gobos take
+// 106 ms with four, 104 with two and 98 with one (`footlight report --pictures --quick --no-judge --gobos --beams 10000
+// --shadows off`); without gobos 3.6 with four and 5.6 with one. On lavapipe one takes twice the time of four: 440
+// instead of 230 ms (`footlight render --demo --from 12s --until 12.2s --every 40ms --size 640x360 --json`).
 #ifdef FL_ONE_ROW
 #define FL_ROWS 1
 #endif

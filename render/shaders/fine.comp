@@ -54,8 +54,8 @@ layout(set = 0, binding = FL_BINDING_COARSE, std430) readonly buffer CoarseBuffe
 
 // What is left of a beam for the pixels: polynomials of x and y, from -1 to 1 over the hull, each 6 coefficients of 1,
 // T_1(x), T_1(y), T_2(x), T_1(x) T_1(y), T_2(y). kRim: rho and h; kCut: rho, g_0, g_1, g_2, s_a and s_b, or what gives
-// s_b at each pixel's own surface (SurfaceEnd) or what stands in the beam (GoboRecord). Then the beam's colour, and p of
-// its profile, kSurfaceRow or kGoboRow.
+// s_b at each pixel's own surface (SurfaceEnd) or what stands in the beam (GoboRecord). Then the beam's colour, and p
+// of its profile, kSurfaceRow or kGoboRow.
 #define FL_RECORDS 128
 #define FL_RECORD_ROWS 10
 const float kSurfaceRow = 2.0;

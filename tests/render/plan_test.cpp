@@ -89,10 +89,10 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
 TEST_CASE("the demo rig with all missing needs added has every pass, with every branch") {
   const FrameSettings settings = every_setting();
   const std::vector<SpecConstant> tile_constants{
-      {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1}, {FL_SPEC_NODES, settings.nodes},
-      {FL_SPEC_BOXES, 1},      {FL_SPEC_BODIES, 1},  {FL_SPEC_MEASURED, 1},
-      {FL_SPEC_RECTANGLE, 1},  {FL_SPEC_WIDE, 1},    {FL_SPEC_IRIS, 1},
-      {FL_SPEC_SHADOWS, 1},    {FL_SPEC_MAP_PX, 0},  {FL_SPEC_PENUMBRA, 1},
+      {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1},  {FL_SPEC_GOBO, 1}, {FL_SPEC_NODES, settings.nodes},
+      {FL_SPEC_BOXES, 1},      {FL_SPEC_BODIES, 1},   {FL_SPEC_MEASURED, 1},
+      {FL_SPEC_RECTANGLE, 1},  {FL_SPEC_WIDE, 1},     {FL_SPEC_IRIS, 1},
+      {FL_SPEC_SHADOWS, 1},    {FL_SPEC_MAP_PX, 0},   {FL_SPEC_PENUMBRA, 1},
       {FL_SPEC_HAZE, 1},       {FL_SPEC_VIEW, FL_VIEW_PICTURE}};
   const auto plan = plan_frame(demo_needs(), settings);
   CHECK(plan ==

@@ -1,6 +1,6 @@
 // A beam with an image in a tile whose chords all cross the whole disc: V and rho of the eye give the line in the image
-// at each pixel, quadratics g, and the table of whole chords does the rest. After tile_surfaces.glsl, tile_record.glsl and
-// tile_gobo.glsl.
+// at each pixel, quadratics g, and the table of whole chords does the rest. After tile_surfaces.glsl, tile_record.glsl
+// and tile_gobo.glsl.
 
 // g is fitted with few nodes, and the eye is not so near the plane of the beam's apex that float loses the line: a
 // distance of the image's radius times 1e3 leaves 1e-4 of it.

@@ -19,8 +19,8 @@ SurfaceEnd surface_end(BeamRow row, vec2 middle, float half_px) {
   end.of[2] = vec4(spread * vec3(place.z, right.z, down.z), row.x_axis.w + spread * row.eye.z);
   return end;
 }
-// at: x, y and 1 / depth. Before the apex of a beam that comes from there it is dark, beyond that of one that goes there
-// nothing is cut. Far away on a ray nearly across the beam place.z is small and s is large, as it should be.
+// at: x, y and 1 / depth. Before the apex of a beam that comes from there it is dark, beyond that of one that goes
+// there nothing is cut. Far away on a ray nearly across the beam place.z is small and s is large, as it should be.
 float surface_s(SurfaceEnd end, vec3 at) {
   vec3 way = vec3(dot(end.of[0].xyz, vec3(1.0, at.xy)), dot(end.of[1].xyz, vec3(1.0, at.xy)),
                   dot(end.of[2].xyz, vec3(1.0, at.xy)));
