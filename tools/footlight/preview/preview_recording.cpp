@@ -46,7 +46,7 @@ void Preview::report_recording(bool waits) {
   if (!ended_.valid() || (!waits && ended_.wait_for(seconds(0)) != std::future_status::ready)) return;
   const auto done = ended_.get();
   const std::string& news = done ? *done : done.error().message;
-  if (!options_.json) std::fputs(("footlight: " + news + "\n").c_str(), stderr);
+  if (!options_.json || !done) std::fputs(("footlight: " + news + "\n").c_str(), stderr);
   tell(tr_known(news), !done);
   recording_failed_ = recording_failed_ || !done;
   if (done && !waits) offer_recording();
