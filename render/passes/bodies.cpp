@@ -183,7 +183,7 @@ const PassEntry kBodiesPass{
         FL_ASSIGN(parts.place, BoundPipeline::compute(context, kPlaceComp, {}));
       }
       if (context.settings.triangles != TriangleMethod::kRasteriser) {
-        const bool joined = context.settings.triangles == TriangleMethod::kCompute;
+        const bool joined = context.settings.triangles != TriangleMethod::kTwoRounds;  // as has_joined_words()
         const DrawnTriangles::Shaders in_one{kJoinedbodiesComp, kJoinedobjectsComp, kJoinedblocksComp};
         const DrawnTriangles::Shaders in_two{kDrawbodiesComp, kDrawobjectsComp, kDrawblocksComp};
         for (std::uint32_t keys = 0; keys < (joined ? 1u : 2u); ++keys) {

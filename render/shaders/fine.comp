@@ -54,8 +54,8 @@ layout(set = 0, binding = FL_BINDING_COARSE, std430) readonly buffer CoarseBuffe
 
 // What is left of a beam for the pixels: polynomials of x and y, from -1 to 1 over the hull, each 6 coefficients of 1,
 // T_1(x), T_1(y), T_2(x), T_1(x) T_1(y), T_2(y). kRim: rho and h; kCut: rho, g_0, g_1, g_2, s_a and s_b, or what gives
-// s_b at each pixel's own surface (SurfaceEnd) or what stands in the beam (GoboRecord). Then the beam's colour, and p
-// of its profile, kSurfaceRow or kGoboRow.
+// s_b at each pixel's own surface (surface_rows()) or what stands in the beam (gobo_rows()). Then the beam's colour,
+// and p of its profile, kSurfaceRow or kGoboRow.
 #define FL_RECORDS 128
 #define FL_RECORD_ROWS 10
 const float kSurfaceRow = 2.0;
@@ -148,27 +148,27 @@ void add_records() {
     while (bits != 0u) {
       uint slot = 32u * w + uint(findLSB(bits));
       bits &= bits - 1u;
-      CutColumns columns;
-      [[unroll]] for (uint i = 0u; i < 6u; ++i) columns.of[i] = column(slot, i, x, x2);
       vec4 color = record_row(slot, 9u);
-      SurfaceEnd end;
-#ifdef FL_GOBO_TILES
-      if (color.w == kGoboRow) {
-        GoboRecord gobo = GoboRecord(record_row(slot, 6u), record_row(slot, 7u), record_row(slot, 8u));
+      bool by_surface = kSolids && color.w == kSurfaceRow;
+      bool by_gobo = kGoboTiles && color.w == kGoboRow;
+      CutColumns columns;
+      [[unroll]] for (uint i = 0u; i < 4u; ++i) columns.of[i] = column(slot, i, x, x2);
+      PlaceRows rows;
+      if (by_surface || by_gobo) {
+        [[unroll]] for (uint i = 0u; i < 3u; ++i) rows.of[i] = record_row(slot, 6u + i);
+        columns.of[4] = vec3(-4.0, 0.0, 0.0);
+      } else {
+        [[unroll]] for (uint i = 4u; i < 6u; ++i) columns.of[i] = column(slot, i, x, x2);
+      }
+      if (by_gobo) {
         [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
-          vec3 light = record_gobo(gobo, columns, x, y[i]);
+          vec3 light = record_gobo(rows, columns, x, y[i]);
           total[i] += kShowsClasses ? (brightest(light) > 0.0 ? kClassRecord : vec3(0.0)) : light * color.rgb;
         }
         continue;
       }
-#endif
-      bool by_surface = kSolids && color.w == kSurfaceRow;
-      if (by_surface) {
-        [[unroll]] for (uint i = 0u; i < 3u; ++i) end.of[i] = record_row(slot, 6u + i);
-        columns.of[4] = vec3(-4.0, 0.0, 0.0);
-      }
       [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
-        if (by_surface) columns.of[5] = vec3(surface_s(end, vec3(x, y[i].y, per_depth[i])), 0.0, 0.0);
+        if (by_surface) columns.of[5] = vec3(surface_s(rows, vec3(x, y[i].y, per_depth[i])), 0.0, 0.0);
         float light = record_cut(columns, y[i]);
         total[i] += kShowsClasses ? (light > 0.0 ? kClassRecord : vec3(0.0)) : light * color.rgb;
       }
@@ -240,6 +240,7 @@ void main() {
           bool is_beam = slot < count && own.bits != 0u;
           BeamRow row = beams[own.id];
           bool gobo = (own.bits & kGuessGobo) != 0u;
+          bool surfaces = (own.bits & kGuessSurfaces) != 0u;
           if (gobo) row.eye.w = 1.0;
           bool whole = (own.bits & kGuessWhole) != 0u;
           float allowed = tolerance / brightest(row.j0.rgb);
@@ -267,23 +268,14 @@ void main() {
             bool close = fit_cut(allowed, own.bits, own.middle, fits);
             if (may && close) {
               kind = kCut;
-              bool surfaces = (own.bits & kGuessSurfaces) != 0u;
               [[unroll]] for (uint i = 0u; i < 6u; ++i) {
                 if (i < 4u || !(surfaces || gobo)) store_fit(slot, i, fits.of[i]);
               }
-#ifdef FL_GOBO_TILES
-              if (gobo && team_lane() == 0u) {
+              if ((surfaces || gobo) && team_lane() == 0u) {
                 Rect rect = group_rect();
-                GoboRecord record = gobo_record(beams[own.id], surface_end(row, rect.middle, rect.half_px));
-                records[uint(FL_RECORD_ROWS) * slot + 6u] = record.across;
-                records[uint(FL_RECORD_ROWS) * slot + 7u] = record.down;
-                records[uint(FL_RECORD_ROWS) * slot + 8u] = record.table;
-              }
-#endif
-              if (surfaces && team_lane() == 0u) {
-                Rect rect = group_rect();
-                SurfaceEnd end = surface_end(row, rect.middle, rect.half_px);
-                [[unroll]] for (uint i = 0u; i < 3u; ++i) records[uint(FL_RECORD_ROWS) * slot + 6u + i] = end.of[i];
+                PlaceRows rows = surface_rows(row, rect.middle, rect.half_px);
+                if (gobo) rows = gobo_rows(beams[own.id], rows);
+                [[unroll]] for (uint i = 0u; i < 3u; ++i) records[uint(FL_RECORD_ROWS) * slot + 6u + i] = rows.of[i];
               }
             }
           }
@@ -291,10 +283,7 @@ void main() {
             FL_LANE_NODES(k) light_here[k] += kShowsClasses ? kClassSmooth : node_light[k] * row.j0.rgb;
           }
           if (kind == kRim) store_color(slot, 3u, vec4(row.j0.rgb, rim_power(drawn_profile(row.eye.w))));
-          if (kind == kCut) {
-            bool surfaces = (own.bits & kGuessSurfaces) != 0u;
-            store_color(slot, 9u, vec4(row.j0.rgb, gobo ? kGoboRow : surfaces ? kSurfaceRow : 1.0));
-          }
+          if (kind == kCut) store_color(slot, 9u, vec4(row.j0.rgb, gobo ? kGoboRow : surfaces ? kSurfaceRow : 1.0));
           if (team_lane() == 0u && (kind == kRim || kind == kCut)) record_kinds[slot] = kind;
           if (team_lane() == 0u && kind == kGeneral) atomicOr(rest_bits[own.id / 32u - first], 1u << (own.id & 31u));
         }

@@ -101,7 +101,7 @@ void main() {
     depths[pixel] = keys[2u * pixel + 1u];
     if (key == 0u) return;
   } else if (key == 0u) {
-    // The two passes compute each depth alike, but no rule says so: without a triangle there is nothing.
+    // The two rounds compute each depth alike, but no rule says so: without a triangle there is nothing.
     if (depths[pixel] != 0u) depths[pixel] = 0u;
     return;
   }

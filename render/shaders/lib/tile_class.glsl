@@ -185,24 +185,22 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
   if (guess.is_dark || !has(bits, kAlive) || !(brightest(row.j0.rgb) > 0.0)) return guess;
   bool free = has(bits, kNearBeyond) || (has(bits, kNearWithin) && free_min >= longest);
   bool surfaces = kSolids && !rect.depth.is_plane && !free;
-  if (surfaces && !(kTileSurfaces && slab_min >= longest && surfaces_known(row))) return guess;
   float q_min = 1.0 - farthest * farthest;
   bool inside = q_min > 0.0 && q_min >= kRatioMin * (1.0 - nearest * nearest);
   bool whole_before = a_max <= -longest;
   bool whole_after = b_min >= longest;
-  if (surfaces && !whole_before) return guess;
+  if (surfaces && !(kTileSurfaces && whole_before && slab_min >= longest && surfaces_known(row))) return guess;
   if (whole_before && whole_after && !surfaces) {
     guess.bits = kGuessWhole | kGuessRecord | (inside ? kGuessSmooth : 0u);
     guess.fit.y = clamp(longest, kFitHalfMin, 1.0);
   } else {
     bool from_one = (bits & (kFromLens | kFromEye)) != 0u;
     bool to_one = (bits & (kToRange | kToPlane)) != 0u;
-    bool alike = has(bits, kLong) && (has(bits, kLongBefore) || (has(bits, kCutBefore) && from_one)) &&
+    bool alike = !surfaces && has(bits, kLong) && (has(bits, kLongBefore) || (has(bits, kCutBefore) && from_one)) &&
                  (has(bits, kLongAfter) || (has(bits, kCutAfter) && to_one)) && q_min > 0.02 && inside;
     bool moments = has_moments(beam);
     bool record = moments && (whole_before || has(bits, kFromEye) || (from_one && one_way)) &&
                   (whole_after || has(bits, kToPlane) || (to_one && one_way));
-    alike = alike && !surfaces;
     if (!alike && !record) return guess;
     guess.bits = kGuessCut | (alike ? kGuessSmooth : 0u) | (record ? kGuessRecord : 0u) |
                  (whole_before ? 0u : kGuessCutBefore) | (whole_after ? 0u : kGuessCutAfter) |

@@ -1,17 +1,17 @@
 // Draws triangles of a body or of objects. Each thread places its own and draws it if it has few pixels; then all
 // threads draw the rows of the others, so that none waits for one with more. After triangle_pixels.glsl or
 // triangle_samples.glsl. FL_TRIANGLES: of a workgroup.
-shared SmallTriangle small[FL_TRIANGLES];
+shared DrawnTriangle small[FL_TRIANGLES];
 shared uint small_first[FL_TRIANGLES];  // the number of their first row, among those of all
 shared uint small_asked;                // how many they are << 24, and their rows
 shared uint left[FL_TRIANGLES];         // blocks had no room for them
 shared uint left_count;
 
-bool is_drawn_alone(SmallTriangle w) {
+bool is_drawn_alone(DrawnTriangle w) {
   ivec2 size = w.high - w.low + 1;
   return size.x * size.y <= kAlonePx;
 }
-void draw_alone(SmallTriangle w) {
+void draw_alone(DrawnTriangle w) {
   for (int y = w.low.y; y <= w.high.y; ++y) draw_row(w, y);
 }
 
@@ -41,7 +41,7 @@ void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number,
     Triangle it = triangle_of(level, t);
     if (!is_drawn(it) || faces_away(level, t, it)) {
     } else if (!is_wide || is_small(it)) {
-      SmallTriangle w = small_of(it, first_number + t, head);
+      DrawnTriangle w = small_of(it, first_number + t, head);
       if (!is_wide || is_drawn_alone(w)) {
         draw_alone(w);
       } else {

@@ -28,8 +28,8 @@ void touch(uint pixel, float z, uint key) {
 
 const int kAlonePx = 4;  // of small ones, the most pixels that a thread tests alone
 
-// One whose sides fit into 32 bits. Its corners turn to the left.
-struct SmallTriangle {
+// One whose corners turn to the left. A small one, whose sides fit into 32 bits, is drawn row by row.
+struct DrawnTriangle {
   ivec2 p0;
   ivec2 p1;
   ivec2 p2;
@@ -39,19 +39,24 @@ struct SmallTriangle {
   uint key;
 };
 
+void turn_around(inout Triangle it) {
+  ivec2 corner = it.p1;
+  it.p1 = it.p2;
+  it.p2 = corner;
+  it.z = it.z.xzy;
+}
+// it: turned to the left. area: twice its area.
+DrawnTriangle drawn_of(Triangle it, float area, uint number) {
+  precise float to_1 = (it.z.y - it.z.x) / area;
+  precise float to_2 = (it.z.z - it.z.x) / area;
+  return DrawnTriangle(it.p0, it.p1, it.p2, vec3(it.z.x, to_1, to_2), it.low, it.high, ~number);
+}
+
 // number: of the triangle, among all of the rig. head: that it belongs to.
-SmallTriangle small_of(Triangle it, uint number, uint head) {
+DrawnTriangle small_of(Triangle it, uint number, uint head) {
   int area = side(it.p0, it.p1 - it.p0, it.p2);
-  if (area < 0) {
-    ivec2 corner = it.p1;
-    it.p1 = it.p2;
-    it.p2 = corner;
-    it.z = it.z.xzy;
-    area = -area;
-  }
-  precise float to_1 = (it.z.y - it.z.x) / float(area);
-  precise float to_2 = (it.z.z - it.z.x) / float(area);
-  return SmallTriangle(it.p0, it.p1, it.p2, vec3(it.z.x, to_1, to_2), it.low, it.high, ~number);
+  if (area < 0) turn_around(it);
+  return drawn_of(it, float(abs(area)), number);
 }
 
 // Steps to the right from which a side may be no less than `least`, and after which it may be less.
@@ -62,7 +67,7 @@ void narrow(int side, int step, int least, inout ivec2 steps) {
   else if (side < least) steps.y = -1;
 }
 
-void draw_row(SmallTriangle w, int y) {
+void draw_row(DrawnTriangle w, int y) {
   ivec2 d0 = w.p2 - w.p1;
   ivec2 d1 = w.p0 - w.p2;
   ivec2 d2 = w.p1 - w.p0;
@@ -100,43 +105,23 @@ ivec2 wide_step(ivec2 d) {
   return by;
 }
 
-// One that a workgroup draws, a part a thread. Its corners turn to the left.
+// One that a workgroup draws, a part a thread.
 struct WideTriangle {
   Sides sides;
-  ivec2 p0;
-  ivec2 p1;
-  ivec2 p2;
-  vec3 z;  // at the first corner, and what it grows by with the second and the third side
-  ivec2 low;
-  ivec2 high;
-  uint key;
+  DrawnTriangle drawn;
 };
 
-// number: of the triangle, among all of the rig. head: that it belongs to.
+// As small_of().
 WideTriangle wide_of(Triangle it, uint number, uint head) {
   ivec2 area = wide_side(it.p0, it.p1 - it.p0, it.p2);
   if (area.x < 0) {
-    ivec2 corner = it.p1;
-    it.p1 = it.p2;
-    it.p2 = corner;
-    it.z = it.z.xzy;
+    turn_around(it);
     area = wide_side(it.p0, it.p1 - it.p0, it.p2);
   }
-  precise float to_1 = (it.z.y - it.z.x) / wide_float(area);
-  precise float to_2 = (it.z.z - it.z.x) / wide_float(area);
-  WideTriangle w;
-  w.sides = sides_of(it, it.low);
-  w.p0 = it.p0;
-  w.p1 = it.p1;
-  w.p2 = it.p2;
-  w.z = vec3(it.z.x, to_1, to_2);
-  w.low = it.low;
-  w.high = it.high;
-  w.key = ~number;
-  return w;
+  return WideTriangle(sides_of(it, it.low), drawn_of(it, wide_float(area), number));
 }
 
-void draw_part(WideTriangle w, ivec3 pixels) {
+void draw_part(DrawnTriangle w, ivec3 pixels) {
   ivec2 d0 = w.p2 - w.p1;
   ivec2 d1 = w.p0 - w.p2;
   ivec2 d2 = w.p1 - w.p0;
@@ -176,9 +161,9 @@ void draw_open(Triangle it, uint key) {
 
 // All of its parts, by all threads.
 void draw_parts(WideTriangle w) {
-  TriangleParts parts = parts_of(w.low, w.high);
+  TriangleParts parts = parts_of(w.drawn.low, w.drawn.high);
   for (int i = int(gl_LocalInvocationIndex); i < parts.count; i += FL_THREADS) {
-    draw_part(w, part_pixels(parts, w.sides, i));
+    draw_part(w.drawn, part_pixels(parts, w.sides, i));
   }
 }
 

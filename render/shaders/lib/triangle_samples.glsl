@@ -66,7 +66,7 @@ uint columns_mask(int first, int last) { return (1u << (last + 1)) - (1u << firs
 const int kAlonePx = 0;  // each pixel has many samples
 
 // One whose sides fit into 32 bits.
-struct SmallTriangle {
+struct DrawnTriangle {
   ivec2 p0;
   ivec2 p1;
   ivec2 p2;
@@ -78,19 +78,19 @@ struct SmallTriangle {
   uint mark;
 };
 
-SmallTriangle small_of(Triangle it, uint number, uint head) {
+DrawnTriangle small_of(Triangle it, uint number, uint head) {
   float area = float(side(it.p0, it.p1 - it.p0, it.p2));
-  return SmallTriangle(it.p0, it.p1, it.p2, it.z / abs(area), area < 0.0 ? -1.0 : 1.0, nearest_of(it), it.low, it.high,
+  return DrawnTriangle(it.p0, it.p1, it.p2, it.z / abs(area), area < 0.0 ? -1.0 : 1.0, nearest_of(it), it.low, it.high,
                        mark_of_triangle(it, head));
 }
 
 // Of a small one at the middle of a pixel.
-vec3 small_sides_at(SmallTriangle w, ivec2 pixel) {
+vec3 small_sides_at(DrawnTriangle w, ivec2 pixel) {
   ivec2 p = (pixel << 8) + 128;
   return w.turn * vec3(float(side(w.p1, w.p2 - w.p1, p)), float(side(w.p2, w.p0 - w.p2, p)),
                        float(side(w.p0, w.p1 - w.p0, p)));
 }
-Sides small_sides(SmallTriangle w, ivec2 origin) {
+Sides small_sides(DrawnTriangle w, ivec2 origin) {
   ivec2 d0 = w.p2 - w.p1;
   ivec2 d1 = w.p0 - w.p2;
   ivec2 d2 = w.p1 - w.p0;
@@ -104,7 +104,7 @@ Sides small_sides(SmallTriangle w, ivec2 origin) {
   return s;
 }
 
-void draw_row(SmallTriangle w, int y) {
+void draw_row(DrawnTriangle w, int y) {
   // Most are behind what is seen, or have no edge near them.
   bool ready = false;
   Sides s;
