@@ -6,6 +6,7 @@
 
 #include "fixtures/bodies/solids.h"
 #include "render/pass.h"
+#include "render/shaders/shared/shadow_map.h"
 
 namespace footlight::render {
 namespace {
@@ -55,8 +56,9 @@ std::size_t planned_occluders(const MemoryShape& shape) {
 }
 
 std::uint64_t map_bytes(const MemoryShape& shape, std::uint32_t px) {
-  const std::uint64_t texels = std::uint64_t{px} * px + std::uint64_t{FL_MAP_CELLS} * FL_MAP_CELLS;
-  return std::max<std::uint64_t>(shape.compiled.beams_max, 1) * texels * sizeof(std::uint32_t);
+  const std::uint64_t rows = px == FL_MAP_ROWS ? FL_MAP_ROWS * FL_MAP_ROW_WORDS : 0;
+  const std::uint64_t words = std::uint64_t{px} * px + std::uint64_t{FL_MAP_CELLS} * FL_MAP_CELLS + rows;
+  return std::max<std::uint64_t>(shape.compiled.beams_max, 1) * words * sizeof(std::uint32_t);
 }
 
 // Every beam may have a shadow of everything, up to what the entries of lists can number.

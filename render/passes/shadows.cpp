@@ -5,7 +5,9 @@
 #include <utility>
 
 #include "render/passes/compute_pass.h"
+#include "render/shaders/shared/shadow_map.h"
 #include "shaders/occluders.comp.h"
+#include "shaders/maprows.comp.h"
 #include "shaders/mapshadows.comp.h"
 #include "shaders/places.comp.h"
 #include "shaders/prune.comp.h"
@@ -18,6 +20,7 @@ namespace {
 struct ShadowSteps {
   std::optional<BoundPipeline> bodies;
   std::optional<BoundPipeline> maps;  // or count, write and prune
+  std::optional<BoundPipeline> rows;
   std::optional<BoundPipeline> count;
   std::optional<BoundPipeline> places;
   std::optional<BoundPipeline> write;
@@ -39,6 +42,10 @@ class ShadowsPass final : public Pass {
     vk::full_barrier(commands);
     steps_.places->bind(commands);
     vkCmdDispatch(commands, 1, 1, 1);
+    if (steps_.rows) {
+      vk::full_barrier(commands);
+      each_beam(commands, *steps_.rows);
+    }
     if (steps_.maps) return;
     vk::full_barrier(commands);
     each_beam(commands, *steps_.write);
@@ -75,6 +82,9 @@ const PassEntry kShadowsPass{
       FL_ASSIGN(steps.places, BoundPipeline::compute(context, kPlacesComp, context.constants));
       if (context.resources.rig.shadow_map_px > 0) {
         FL_ASSIGN(steps.maps, BoundPipeline::compute(context, kMapshadowsComp, context.constants));
+        if (context.resources.rig.shadow_map_px == FL_MAP_ROWS) {
+          FL_ASSIGN(steps.rows, BoundPipeline::compute(context, kMaprowsComp, context.constants));
+        }
       } else {
         std::vector<vk::SpecConstant> writes = context.constants;
         writes.push_back({FL_SPEC_WRITE, 1});
@@ -86,7 +96,7 @@ const PassEntry kShadowsPass{
     },
     [] {
       return std::vector<std::vector<vk::Spirv>>{
-          {kOccludersComp}, {kShadowsComp}, {kPlacesComp}, {kPruneComp}, {kMapshadowsComp}};
+          {kOccludersComp}, {kShadowsComp}, {kPlacesComp}, {kPruneComp}, {kMapshadowsComp}, {kMaprowsComp}};
     },
     "shadows of boxes and fixtures",
     nullptr,

@@ -88,15 +88,12 @@ layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_METHOD) const uint kMethod = FL_METHOD_GAUSS;
 layout(constant_id = FL_SPEC_NODES) const uint kNodes = 3;
 #include "render/shaders/lib/air_nodes.glsl"
+#include "render/shaders/lib/shadow_row_light.glsl"
 
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
-// The code of gobos is long: once in the shader, and not once a row.
-#if defined(FL_GOBO_BEAMS) && !defined(FL_ONE_ROW)
+// The code of gobos and shadows is long: once in the shader, and not once a row.
 #define FL_EACH_ROW [[dont_unroll]]
-#else
-#define FL_EACH_ROW [[unroll]]
-#endif
 
 // Light of a part of a chord, over J0 and sigma_s.
 vec3 part_light(BeamShape beam, BeamRow row, Medium medium, Chord chord, vec3 ray, uint nodes, bool gobo) {
@@ -153,16 +150,21 @@ vec3 parts_light(ShadowParts parts, BeamShape beam, BeamRow row, Medium medium, 
 // Of a chord: the mean over the points of the lens from which shadows are cast. Where light is computed at nodes alone,
 // they only change the weights of the whole chord's nodes; else each point has its own parts.
 const uint kTurns = kLensPoints > 1u ? kLensPoints + 1u : 1u;
-vec3 chord_light(uint index, uint base, uint begin, BeamShape beam, BeamRow row, Medium medium, Chord chord, vec3 ray,
+vec3 chord_light(uint index, uint number, uint begin, BeamShape beam, BeamRow row, Medium medium, Chord chord, vec3 ray,
                  uint nodes, bool gobo, uint found, bool subtracts) {
   WalkShadows shadows_of;
   ShadowChord ends;
   if (found != 0u) {
-    shadows_of = walk_shadows_of(base, index - base, begin);
+    shadows_of = walk_shadows_of(number, begin);
     ends = shadow_chord(row, beam, chord, ray);
   }
-  bool weighs = kLensPoints > 1u && found != 0u && !gobo && kMethod == uint(FL_METHOD_GAUSS) &&
-                !(kMeasured && row.measured != 0u) && !(kWide && beam.spread > kWideSpread);
+  bool by_nodes = found != 0u && !gobo && kMethod == uint(FL_METHOD_GAUSS) &&
+                  !(kMeasured && row.measured != 0u) && !(kWide && beam.spread > kWideSpread);
+  if (by_nodes && has_row(ends.line) && row.squeeze == 0.0) {
+    RowLight light = row_light(index, beam, medium, chord, ray, ends.line);
+    return vec3(subtracts ? light.dark : light.whole - light.dark);
+  }
+  bool weighs = kLensPoints > 1u && by_nodes;
   ShadowWeights weights;
   if (kLensPoints > 1u) shadow_weights_clear(weights);
   vec3 value = vec3(0.0);
@@ -191,15 +193,15 @@ vec3 chord_light(uint index, uint base, uint begin, BeamShape beam, BeamRow row,
   return value;
 }
 
-// Adds the light of one beam to the thread's pixels. base: of the walk; begin: of its beams that are tested together.
-void add_beam(uint index, uint base, uint begin, Medium medium, vec3 d[FL_ROWS], float t_max_m[FL_ROWS],
+// Adds the light of one beam to the thread's pixels. number: in the walk; begin: of its beams that are tested together.
+void add_beam(uint index, uint number, uint begin, Medium medium, vec3 d[FL_ROWS], float t_max_m[FL_ROWS],
               inout vec3 total[FL_ROWS]) {
   BeamRow row = beams[index];
   BeamShape shape = beam_shape(row);
   shape.profile_power = drawn_profile(shape.profile_power);
   uint nodes = air_nodes(shape.profile_power);
   // The light of the beam's lit parts; of a beam that was added as a whole that of its dark parts, which is subtracted.
-  uint found = kShadows ? subgroupBroadcastFirst(walk_found[index - base]) : 0u;
+  uint found = kShadows ? subgroupBroadcastFirst(walk_found[number]) : 0u;
   bool subtracts = found != 0u && !is_left(index);
   // A rectangle's profile is the product of two.
   if (kRectangle && row.squeeze > 0.0) nodes = min(kNodes + 5u, 8u);
@@ -233,7 +235,7 @@ void add_beam(uint index, uint base, uint begin, Medium medium, vec3 d[FL_ROWS],
       chord_close(chord);
     }
     if (seen) {
-      vec3 value = chord_light(index, base, begin, beam, row, medium, chord, ray, nodes, gobo, found, subtracts);
+      vec3 value = chord_light(index, number, begin, beam, row, medium, chord, ray, nodes, gobo, found, subtracts);
       if (subtracts) value = -value;
       if (!kShowsClasses) total[i] += row.j0.rgb * (gain * value);
       else if (!subtracts) total[i] += kClassPixel;
@@ -257,13 +259,14 @@ void main() {
   }
   RectDepth depth;
   if (kShadows) depth = rect_depth(gl_WorkGroupID.xy, 1u);
-  for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
-    if (!tile_walk(base)) continue;
+  for (uint word = 0u; word < walk_words();) {
+    word = tile_walk(word);
+    if (walk_count == 0u) continue;
     if (kShadows) walk_number_pairs();
     for (uint begin = 0u; begin < FL_WALK_BEAMS;) {
-      uint end = kShadows ? walk_test_shadows(base, begin, depth) : FL_WALK_BEAMS;
-      FL_WALK_BEGIN(base, index)
-        add_beam(index, base, begin, medium, d, t_max_m, total);
+      uint end = kShadows ? walk_test_shadows(begin, depth) : FL_WALK_BEAMS;
+      FL_WALK_BEGIN(number, index)
+        add_beam(index, number, begin, medium, d, t_max_m, total);
       FL_WALK_END
       begin = end;
     }

@@ -117,6 +117,12 @@ Result<ShaderInterface> read_interface(Spirv spirv) {
   }
   std::sort(shader.bindings.begin(), shader.bindings.end(),
             [](const ShaderBinding& a, const ShaderBinding& b) { return a.binding < b.binding; });
+  // A table that a shader reads in two forms has one descriptor.
+  shader.bindings.erase(std::unique(shader.bindings.begin(), shader.bindings.end(),
+                                    [](const ShaderBinding& a, const ShaderBinding& b) {
+                                      return a.binding == b.binding && a.type == b.type;
+                                    }),
+                        shader.bindings.end());
   return shader;
 }
 

@@ -6,6 +6,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS readonly
 #define FL_USE_COUNTS
@@ -59,9 +60,9 @@ void main() {
     place_m[i] = ray * hit[i].t_m;
     total[i] = vec3(0.0);
   }
-  for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
-    if (!tile_walk(base)) continue;
-    FL_WALK_BEGIN(base, index)
+  for (uint word = 0u; word < walk_words();) {
+    word = tile_walk(word);
+    FL_WALK_BEGIN(number, index)
       BeamRow row = beams[index];
       BeamShape shape = begin_beam(row, index);
       for (int i = 0; i < FL_ROWS; ++i) {

@@ -4,6 +4,8 @@ layout(constant_id = FL_SPEC_SHADOWS) const bool kShadows = false;
 // Whether shadow maps stand for the shadows (shadow_map.glsl): then there are no rows of them, and no lists.
 layout(constant_id = FL_SPEC_MAP_PX) const uint kMapPx = 0u;
 const bool kMaps = kMapPx > 0u;
+#include "render/shaders/lib/shadow_map_words.glsl"
+#include "render/shaders/lib/shadow_row_line.glsl"
 // Points of the lens from which shadows are cast (shadow.h).
 layout(constant_id = FL_SPEC_PENUMBRA) const uint kLensPoints = 1u;
 const uint kAllPoints = (1u << kLensPoints) - 1u;
@@ -299,6 +301,7 @@ struct ShadowChord {
   vec4 from;
   vec4 to;
   float lens_m;  // radius of the lens from whose points shadows are cast
+  RowLine line;  // with kMapRows
 };
 // beam: as it is drawn; where that is wider than it is, its places across are brought back into the beam.
 ShadowChord shadow_chord(BeamRow row, BeamShape beam, Chord chord, vec3 ray) {
@@ -310,6 +313,7 @@ ShadowChord shadow_chord(BeamRow row, BeamShape beam, Chord chord, vec3 ray) {
   ends.from = back * vec4(chord.base + ray * chord.t_from_m, -1.0) / chord.w_from;
   ends.to = back * vec4(chord.base + ray * chord.t_to_m, -1.0) / chord.w_to;
   ends.lens_m = kLensPoints > 1u ? shadow_lens_m(row) : 0.0;
+  if (kMapRows) ends.line = row_line(row, chord, ray);
   return ends;
 }
 // entry: in a rectangle that shows the chord.

@@ -3,7 +3,6 @@
 // dark, and a chord is a straight line in the map: the map's error is where edges lie, to half a texel. Error:
 // docs/numerics.md. After shadow.glsl.
 layout(set = 0, binding = FL_BINDING_BEAM_MAPS, std430) readonly buffer ShadowMapsBuffer { uint shadow_maps[]; };
-#include "render/shaders/lib/shadow_map_words.glsl"
 
 // Distances in half floats; the largest stands for none. A lens inside a body gives no light, not even at 0.
 vec2 map_distances(uint word) {
@@ -96,6 +95,8 @@ float map_lit(uint beam, BeamRow row, vec3 p) {
   return mix(mix(lit.x, lit.y, share.x), mix(lit.z, lit.w, share.x), share.y);
 }
 
+#include "render/shaders/lib/shadow_rows.glsl"
+
 // Whether a place of a chord is behind a body. from, way: texels; depth, deeper: z over w and 1 over w, which are
 // linear in the chord's measure x.
 bool map_hides_chord(uint beam, vec2 from, vec2 way, vec2 depth, vec2 deeper, float x) {
@@ -108,6 +109,7 @@ bool map_hides_chord(uint beam, vec2 from, vec2 way, vec2 depth, vec2 deeper, fl
 const float kMapStep = 4.0;
 const int kMapBatch = 16;  // samples that are read together
 ShadowParts map_parts(uint beam, ShadowChord ends) {
+  if (has_row(ends.line)) return row_parts(beam, ends.line);
   ShadowParts parts;
   shadow_parts_clear(parts);
   vec2 from = 0.5 * float(kMapPx) * (ends.from.xy + 1.0);

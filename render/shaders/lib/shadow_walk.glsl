@@ -11,8 +11,6 @@ shared uint walk_now[FL_WALK_BEAMS / 32u];
 shared uint walk_pairs[kShadows ? FL_WALK_BEAMS + 1u : 1u];  // of each beam its number of pairs; then the first of them
 shared uint walk_found[kShadows ? FL_WALK_BEAMS : 1u];       // shadows of the beam that reach the tile
 shared uint walk_entries[kShadows ? FL_WALK_PAIRS : 1u];     // those of a beam begin where its pairs do
-shared uint walk_sums[FL_TILE_PX * FL_TILE_PX / FL_ROWS / 4];
-const uint kThreads = uint(FL_TILE_PX * FL_TILE_PX / FL_ROWS);
 
 // Whether the passes before have left the beam to this one.
 bool is_left(uint beam) {
@@ -34,22 +32,15 @@ ShadowPicks picks_here(uint beam) {
 // Numbers the pairs of the walk's beams. All threads call it together.
 void walk_number_pairs() {
   const uint kRun = FL_WALK_BEAMS / kThreads;
-  // In the order of subgroups, which gl_LocalInvocationIndex need not be.
-  uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
+  uint lane = walk_lane();
   uint own = 0u;
   for (uint i = 0u; i < kRun; ++i) {
     uint at = lane * kRun + i;
     if ((walk_bits[at >> 5] >> (at & 31u) & 1u) == 0u) walk_pairs[at] = 0u;
     own += walk_pairs[at];
   }
-  uint before = subgroupExclusiveAdd(own);
-  if (gl_SubgroupInvocationID == gl_SubgroupSize - 1u) walk_sums[gl_SubgroupID] = before + own;
-  barrier();
-  uint all = 0u;
-  for (uint s = 0u; s < gl_NumSubgroups; ++s) {
-    if (s < gl_SubgroupID) before += walk_sums[s];
-    all += walk_sums[s];
-  }
+  uint all;
+  uint before = walk_before(own, all);
   for (uint i = 0u; i < kRun; ++i) {
     uint at = lane * kRun + i;
     uint count = walk_pairs[at];
@@ -87,9 +78,9 @@ uint walk_keep_entries(uint begin, uint end, uint first, uint kept, inout uint d
 
 // What is dark in all of the tile adds nothing, and of a beam that was added as a whole nothing is subtracted where it
 // has no shadow.
-void walk_store(uint base, uint number, uint found, bool dark) {
+void walk_store(uint number, uint found, bool dark) {
   walk_found[number] = found;
-  bool computes = is_left(base + number) ? !dark : found > 0u;
+  bool computes = is_left(walk_ids[number]) ? !dark : found > 0u;
   if (computes) atomicOr(walk_now[number >> 5], 1u << (number & 31u));
 }
 
@@ -101,14 +92,14 @@ uint walk_test_pair(uint beam, uint k, RectDepth depth) {
 }
 
 // A beam with more pairs than have room. Its entries begin at 0.
-void walk_test_many(uint base, uint number, uint lane, RectDepth depth) {
+void walk_test_many(uint number, uint lane, RectDepth depth) {
   uint all = walk_pairs[number + 1u] - walk_pairs[number];
   uint kept = 0u;
   uint dark = 0u;
   for (uint at = 0u; at < all;) {
     uint count = min(FL_WALK_PAIRS - kept, all - at);
     if (count < min(FL_WALK_PAIRS / 8u, all - at)) break;
-    for (uint k = lane; k < count; k += kThreads) walk_entries[kept + k] = walk_test_pair(base + number, at + k, depth);
+    for (uint k = lane; k < count; k += kThreads) walk_entries[kept + k] = walk_test_pair(walk_ids[number], at + k, depth);
     at += count;
     barrier();
     if (lane == 0u) {
@@ -122,13 +113,13 @@ void walk_test_many(uint base, uint number, uint lane, RectDepth depth) {
     kept = walk_found[number];
   }
   // Only this thread has seen all entries.
-  if (lane == 0u) walk_store(base, number, walk_found[number], dark == kAllPoints);
+  if (lane == 0u) walk_store(number, walk_found[number], dark == kAllPoints);
 }
 
 // Fills walk_now, walk_found and walk_entries for beams from `begin` on. Returns the beam after the last one.
 // All threads call it together.
-uint walk_test_shadows(uint base, uint begin, RectDepth depth) {
-  uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
+uint walk_test_shadows(uint begin, RectDepth depth) {
+  uint lane = walk_lane();
   uint first_pair = walk_pairs[begin];
   // No beam without pairs is left behind by the search: it ends at the last of equal ones.
   uint end = walk_pairs[FL_WALK_BEAMS] - first_pair <= FL_WALK_PAIRS ? FL_WALK_BEAMS
@@ -139,13 +130,13 @@ uint walk_test_shadows(uint base, uint begin, RectDepth depth) {
   if (lane < FL_WALK_BEAMS / 32u) walk_now[lane] = 0u;
   barrier();
   if (pairs > FL_WALK_PAIRS) {
-    walk_test_many(base, begin, lane, depth);
+    walk_test_many(begin, lane, depth);
     barrier();
     return end;
   }
   for (uint pair = lane; pair < pairs; pair += kThreads) {
     uint number = walk_beam_of(first_pair + pair);
-    walk_entries[pair] = walk_test_pair(base + number, first_pair + pair - walk_pairs[number], depth);
+    walk_entries[pair] = walk_test_pair(walk_ids[number], first_pair + pair - walk_pairs[number], depth);
   }
   barrier();
   for (uint number = begin + lane; number < end; number += kThreads) {
@@ -153,7 +144,7 @@ uint walk_test_shadows(uint base, uint begin, RectDepth depth) {
     uint dark = 0u;
     uint first = walk_pairs[number] - first_pair;
     uint found = walk_keep_entries(first, walk_pairs[number + 1u] - first_pair, first, 0u, dark);
-    walk_store(base, number, found, dark == kAllPoints);
+    walk_store(number, found, dark == kAllPoints);
   }
   barrier();
   return end;
@@ -167,12 +158,12 @@ struct WalkShadows {
   ShadowPicks picks;
 };
 // begin: of the beams that are tested together.
-WalkShadows walk_shadows_of(uint base, uint number, uint begin) {
+WalkShadows walk_shadows_of(uint number, uint begin) {
   uint found = walk_found[number];
   WalkShadows shadows_of = WalkShadows(found, walk_pairs[number] - walk_pairs[begin], found != kUntested,
                                        ShadowPicks(0u, 0u, false));
   if (found == kUntested) {
-    shadows_of.picks = picks_here(base + number);
+    shadows_of.picks = picks_here(walk_ids[number]);
     shadows_of.count = shadows_of.picks.count;
   }
   return shadows_of;

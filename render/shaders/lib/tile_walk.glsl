@@ -1,14 +1,14 @@
 // The walk of one workgroup over the beams that can touch its tile of 16 x 16 pixels, in patch order:
 //
-//   for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
-//     if (!tile_walk(base)) continue;
-//     FL_WALK_BEGIN(base, index) ... beams[index] ... FL_WALK_END
+//   for (uint word = 0u; word < walk_words();) {
+//     word = tile_walk(word);
+//     FL_WALK_BEGIN(number, index) ... beams[index] ... FL_WALK_END
 //   }
 //
-// tile_walk() puts 256 beams of the supertile's mask to the test of the including pass, bool tile_takes(uint beam, uint
-// number), shared out among the threads; `number` counts from `base`. FL_WALK_ALSO(word): a word of bits of further
-// beams. FL_WALK_BITS(word): a word of the beams that FL_WALK_BEGIN takes.
-// All threads of the group must call it together; it returns the same for all.
+// tile_walk() lists up to FL_WALK_BEAMS beams of the masks from a word on, and puts them to the test of the including
+// pass, bool tile_takes(uint beam, uint number), shared out among the threads; `number` is the beam's place in the list.
+// FL_WALK_ALSO(word): a word of bits of further beams. FL_WALK_BITS(word): a word of bits of places that FL_WALK_BEGIN
+// takes. All threads of the group must call it together; it returns the same for all: the word after those it has listed.
 //
 // A thread has FL_ROWS pixels, one below the other, so that a beam's row is read once for all of them: on an H200
 // 10,000 beams at 3840 x 2160 take 45 ms with one pixel a thread, 41 ms with four (3 nodes). The including pass
@@ -18,6 +18,11 @@
 #endif
 #define FL_WALK_BEAMS 256u
 shared uint walk_bits[8];
+shared uint walk_ids[FL_WALK_BEAMS];
+shared uint walk_count;
+shared uint walk_next;
+const uint kThreads = uint(FL_TILE_PX * FL_TILE_PX / FL_ROWS);
+shared uint walk_sums[kThreads / 4u];  // of subgroups
 
 // Pixel number i of this thread, 0 to FL_ROWS - 1.
 ivec2 tile_pixel(int i) {
@@ -48,33 +53,76 @@ uint walk_word(uint word) {
   return (cell.y * across + cell.x) * params.mask_words + word;
 }
 
-bool tile_walk(uint base) {
-  uint lane = gl_LocalInvocationIndex;
-  uint first = walk_word(base / 32u);
-  uint words = min((counts.live_count - base + 31u) / 32u, 8u);
-  uint any = 0u;
-  for (uint w = 0u; w < words; ++w) any |= walk_mask(first + w) | FL_WALK_ALSO(base / 32u + w);
-  if (any == 0u) return false;
-  barrier();  // the walk before this one has been read by all
-  if (lane < 8u) walk_bits[lane] = 0u;
+uint walk_words() { return (counts.live_count + 31u) / 32u; }
+uint walk_listed(uint first, uint word) { return walk_mask(first + word) | FL_WALK_ALSO(word); }
+
+// In the order of subgroups, which gl_LocalInvocationIndex need not be.
+uint walk_lane() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID; }
+
+// The sum of `own` of all threads before this one, and of all. Called by all threads of the group together.
+uint walk_before(uint own, out uint all) {
+  uint before = subgroupExclusiveAdd(own);
+  if (gl_SubgroupInvocationID == gl_SubgroupSize - 1u) walk_sums[gl_SubgroupID] = before + own;
   barrier();
-  for (uint at = lane; at < FL_WALK_BEAMS; at += uint(FL_TILE_PX * FL_TILE_PX / FL_ROWS)) {
-    uint beam = base + at;
-    if (beam >= counts.live_count) continue;
-    uint bits = walk_mask(first + (at >> 5)) | FL_WALK_ALSO(beam >> 5);
-    if ((bits & (1u << (at & 31u))) != 0u) {
-      if (tile_takes(beam, at)) atomicOr(walk_bits[at >> 5], 1u << (at & 31u));
+  all = 0u;
+  for (uint s = 0u; s < gl_NumSubgroups; ++s) {
+    if (s < gl_SubgroupID) before += walk_sums[s];
+    all += walk_sums[s];
+  }
+  return before;
+}
+
+// Lists beams of as many whole words as fit. Each thread reads words beside each other.
+void walk_list(uint from) {
+  uint lane = walk_lane();
+  uint words = walk_words();
+  uint first = walk_word(0u);
+  uint per = clamp((words - from + kThreads - 1u) / kThreads, 1u, 8u);
+  uint begin = from + lane * per;
+  uint end = min(begin + per, words);
+  uint own = 0u;
+  for (uint word = begin; word < end; ++word) own += uint(bitCount(walk_listed(first, word)));
+  barrier();  // the list before this one has been read by all
+  if (lane == 0u) {
+    walk_count = 0u;
+    walk_next = from;
+  }
+  if (lane < 8u) walk_bits[lane] = 0u;
+  uint all;
+  uint slot = walk_before(own, all);
+  uint next = from;
+  for (uint word = begin; word < end; ++word) {
+    uint rest = walk_listed(first, word);
+    if (slot + uint(bitCount(rest)) > FL_WALK_BEAMS) break;
+    next = word + 1u;
+    while (rest != 0u) {
+      walk_ids[slot++] = word * 32u + uint(findLSB(rest));
+      rest &= rest - 1u;
     }
   }
+  if (next > from) {
+    atomicMax(walk_next, next);
+    atomicMax(walk_count, slot);
+  }
   barrier();
-  return true;
+}
+
+uint tile_walk(uint from) {
+  walk_list(from);
+  uint count = walk_count;
+  for (uint number = walk_lane(); number < count; number += kThreads) {
+    if (tile_takes(walk_ids[number], number)) atomicOr(walk_bits[number >> 5], 1u << (number & 31u));
+  }
+  barrier();
+  return walk_next;
 }
 
 // The word is made uniform over the subgroup: compilers then keep its threads together through the loop.
-#define FL_WALK_BEGIN(base, index)                                 \
+#define FL_WALK_BEGIN(number, index)                               \
   for (uint walk_w = 0u; walk_w < 8u; ++walk_w) {                  \
     uint walk_rest = subgroupBroadcastFirst(FL_WALK_BITS(walk_w)); \
     while (walk_rest != 0u) {                                      \
-      uint index = base + walk_w * 32u + uint(findLSB(walk_rest)); \
+      uint number = walk_w * 32u + uint(findLSB(walk_rest));       \
+      uint index = subgroupBroadcastFirst(walk_ids[number]);       \
       walk_rest &= walk_rest - 1u;
 #define FL_WALK_END }}

@@ -381,6 +381,64 @@ FL_FN Real chord_inscatter_shaded(BeamShape beam, Medium medium, Chord chord, Ve
   return max(total, Real(0)) * chord_measure(chord);
 }
 
+// The light of a chord up to a share x of its measure, as a sum of Legendre polynomials of 2 x - 1: what Gauss nodes of
+// the whole chord interpolate. Each further part of a chord then costs a polynomial, and no light is computed anew.
+#define FL_SERIES_NODES_MAX 6
+struct ShadowSeries {
+  Real values[FL_SERIES_NODES_MAX + 1];
+  Real whole;  // up to x = 1
+};
+// n: 2 to FL_SERIES_NODES_MAX.
+FL_FN void shadow_series(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction,
+                         FL_OUT(ShadowSeries) series) {
+  Real mean[FL_SERIES_NODES_MAX + 2];  // of the light times P_k
+  for (int k = 0; k < FL_SERIES_NODES_MAX + 2; ++k) mean[k] = Real(0);
+#ifdef FL_HAZE_FIELD
+  HazePieces haze = haze_pieces(chord);
+  Real end = Real(0);
+#endif
+  Real measure = chord_measure(chord);
+  for (uint i = uint(0); i < n; ++i) {
+    Real s;
+    Real t_m;
+    Real x = kGaussNode[gauss_index(n, i)];
+    chord_point(chord, x, s, t_m);
+    Real weight = kGaussWeight[gauss_index(n, i)];
+#ifdef FL_HAZE_FIELD
+    end += weight;
+    weight *= haze_piece(haze, chord, end);
+#endif
+    weight *= measure * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
+    Real u = Real(2) * x - Real(1);
+    Real before = Real(1);
+    Real here = u;
+    mean[0] += weight;
+    for (int k = 1; k < FL_SERIES_NODES_MAX; ++k) {
+      mean[k] += uint(k) < n ? weight * here : Real(0);
+      Real next = (Real(2 * k + 1) * u * here - Real(k) * before) / Real(k + 1);
+      before = here;
+      here = next;
+    }
+  }
+  // (2 k + 1) times the integral of P_k is the difference of its neighbours.
+  series.whole = mean[0];
+  series.values[0] = Real(0.5) * (mean[0] - mean[1]);
+  for (int k = 1; k <= FL_SERIES_NODES_MAX; ++k) series.values[k] = Real(0.5) * (mean[k - 1] - mean[k + 1]);
+}
+FL_FN Real shadow_series_until(FL_IN(ShadowSeries) series, uint n, Real x) {
+  Real u = Real(2) * x - Real(1);
+  Real before = Real(1);
+  Real here = u;
+  Real sum = series.values[0] + series.values[1] * u;
+  for (int k = 1; k < FL_SERIES_NODES_MAX; ++k) {
+    Real next = (Real(2 * k + 1) * u * here - Real(k) * before) / Real(k + 1);
+    sum += uint(k) < n ? series.values[k + 1] * next : Real(0);
+    before = here;
+    here = next;
+  }
+  return sum;
+}
+
 // The part x0..x1 of a chord.
 FL_FN Chord chord_part(Chord chord, Real x0, Real x1) {
   Chord part = chord;

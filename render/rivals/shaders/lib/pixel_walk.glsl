@@ -29,9 +29,9 @@ void main() {
     if (kWholeRay) t_max_m[i] = whole_ray_m(d[i], t_max_m[i]);
     total[i] = vec3(0.0);
   }
-  for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
-    if (!tile_walk(base)) continue;
-    FL_WALK_BEGIN(base, index)
+  for (uint word = 0u; word < walk_words();) {
+    word = tile_walk(word);
+    FL_WALK_BEGIN(number, index)
       BeamRow row = beams[index];
       BeamShape shape = begin_beam(row, index);
       for (int i = 0; i < FL_ROWS; ++i) {
