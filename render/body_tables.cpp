@@ -1,6 +1,7 @@
 #include "render/body_tables.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
 #include <limits>
 #include <optional>
@@ -207,6 +208,37 @@ std::vector<ObjectShellsRow> object_shells(const fixtures::BodyMesh& mesh, const
   return rows;
 }
 
+// Ten bits, each followed by two zeros.
+std::uint32_t spread_bits(std::uint32_t bits) {
+  bits = (bits | bits << 16) & 0x030000ff;
+  bits = (bits | bits << 8) & 0x0300f00f;
+  bits = (bits | bits << 4) & 0x030c30c3;
+  return (bits | bits << 2) & 0x09249249;
+}
+
+// Numbers what hides light in place of the bodies along a Z-order curve through the places where they hang.
+void number_occluders(const fixtures::CompiledRig& compiled, std::vector<BodySlotRow>& slots) {
+  const auto place_of = [&](const BodySlotRow& slot) {
+    const fixtures::HeadRow& head = compiled.heads[slot.head];
+    return glm::vec3(head.pose_0.w, head.pose_1.w, head.pose_2.w);
+  };
+  glm::vec3 low(std::numeric_limits<float>::max());
+  glm::vec3 high(std::numeric_limits<float>::lowest());
+  for (const BodySlotRow& slot : slots) {
+    low = glm::min(low, place_of(slot));
+    high = glm::max(high, place_of(slot));
+  }
+  const float largest_m = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-3F});
+  std::vector<std::pair<std::uint32_t, std::size_t>> order;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const glm::vec3 at = 1023.0F / largest_m * (place_of(slots[i]) - low);
+    const auto bits = [](float x) { return spread_bits(static_cast<std::uint32_t>(std::clamp(x, 0.0F, 1023.0F))); };
+    order.emplace_back(bits(at.x) | bits(at.y) << 1 | bits(at.z) << 2, i);
+  }
+  std::sort(order.begin(), order.end());
+  for (std::size_t i = 0; i < order.size(); ++i) slots[order[i].second].occluder = static_cast<std::uint32_t>(i);
+}
+
 }  // namespace
 
 Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
@@ -261,6 +293,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
     }
     meshes.push_back(mesh);
   }
+  number_occluders(compiled, slots);
   r.slot_count = static_cast<std::uint32_t>(slots.size());
   r.mesh_count = static_cast<std::uint32_t>(meshes.size());
   r.draw_count = static_cast<std::uint32_t>(draws.size());

@@ -55,10 +55,11 @@ std::size_t planned_occluders(const MemoryShape& shape) {
   return all_occluders(shape, parts).size();
 }
 
-std::uint64_t map_bytes(const MemoryShape& shape, std::uint32_t px) {
+std::uint64_t map_bytes(const MemoryShape& shape, std::uint32_t px, std::size_t occluders) {
   const std::uint64_t rows = px == FL_MAP_ROWS ? FL_MAP_ROWS * FL_MAP_ROW_WORDS : 0;
   const std::uint64_t words = std::uint64_t{px} * px + std::uint64_t{FL_MAP_CELLS} * FL_MAP_CELLS + rows;
-  return std::max<std::uint64_t>(shape.compiled.beams_max, 1) * words * sizeof(std::uint32_t);
+  const std::uint64_t maps = std::max<std::uint64_t>(shape.compiled.beams_max, 1) * words * sizeof(std::uint32_t);
+  return maps + occluder_groups(occluders) * 4 * sizeof(float);
 }
 
 // Every beam may have a shadow of everything, up to what the entries of lists can number.
@@ -105,6 +106,10 @@ Status suit_shadows(const fixtures::Needs& needs, const RigTables& rig, std::uin
 
 std::uint64_t occluder_bytes(const MemoryShape& shape) { return planned_occluders(shape) * sizeof(OccluderRow); }
 
+std::uint64_t occluder_groups(std::uint64_t occluders) {
+  return (occluders + FL_OCCLUDER_GROUP - 1) / FL_OCCLUDER_GROUP;
+}
+
 std::uint64_t shadow_list_bytes(const MemoryShape& shape) {
   const std::uint64_t beams = has_shadows(shape.needs, shape.settings) ? shape.compiled.beams_max : 0;
   return std::max<std::uint64_t>(beams, 1) * sizeof(ShadowListRow);
@@ -117,7 +122,7 @@ std::uint64_t shadow_bytes(const MemoryShape& shape) {
 
 std::uint64_t shadow_map_bytes(const MemoryShape& shape) {
   const std::uint32_t px = suited_map_px(shape, FL_MAP_BYTES_MAX);
-  return px > 0 ? map_bytes(shape, px) : sizeof(std::uint32_t);
+  return px > 0 ? map_bytes(shape, px, planned_occluders(shape)) : sizeof(std::uint32_t);
 }
 
 std::uint32_t suited_map_px(const MemoryShape& shape, std::uint64_t range_bytes) {
@@ -128,7 +133,8 @@ std::uint32_t suited_map_px(const MemoryShape& shape, std::uint64_t range_bytes)
     const std::uint64_t beams = shape.compiled.beams_max - shape.compiled.mirror_rows;
     px = beams * planned_occluders(shape) > kExactPairsMax ? kMapUsualPx : 0;
   }
-  while (px >= kMapLeastPx && map_bytes(shape, px) > std::min<std::uint64_t>(FL_MAP_BYTES_MAX, range_bytes)) px /= 2;
+  const std::size_t occluders = planned_occluders(shape);
+  while (px >= kMapLeastPx && map_bytes(shape, px, occluders) > std::min<std::uint64_t>(FL_MAP_BYTES_MAX, range_bytes)) px /= 2;
   return px >= kMapLeastPx ? px : 0;
 }
 
@@ -141,8 +147,8 @@ Status make_shadow_tables(vk::Device& device, const MemoryShape& shape,
   const std::uint64_t range = device.limits().maxStorageBufferRange;
   r.shadow_map_px = suited_map_px(shape, range);
   r.lens_points = shape.settings.penumbra;
-  FL_ASSIGN(r.shadow_maps, vk::Buffer::device_local(device, r.shadow_map_px > 0 ? map_bytes(shape, r.shadow_map_px) : 4,
-                                                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+  const std::uint64_t maps = r.shadow_map_px > 0 ? map_bytes(shape, r.shadow_map_px, rows.size()) : 4;
+  FL_ASSIGN(r.shadow_maps, vk::Buffer::device_local(device, maps, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   const std::uint64_t most = range / sizeof(ShadowRow) * sizeof(ShadowRow);
   const std::uint64_t bytes = r.shadow_map_px > 0 ? sizeof(ShadowRow) : std::min(exact_bytes(shape, rows.size()), most);
   FL_ASSIGN(r.shadows, vk::Buffer::device_local(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));

@@ -21,6 +21,8 @@ Status suit_shadows(const fixtures::Needs& needs, const RigTables& rig, std::uin
 // have a shadow of everything, up to FL_SHADOW_ROWS_MAX; a device that allows less for a table gets less. Each part of
 // an object counts as one row: how many it has is known when its file is read.
 [[nodiscard]] std::uint64_t occluder_bytes(const MemoryShape& shape);
+// Spheres around groups of so many bodies (shared/shadow_map.h).
+[[nodiscard]] std::uint64_t occluder_groups(std::uint64_t occluders);
 [[nodiscard]] std::uint64_t shadow_list_bytes(const MemoryShape& shape);
 [[nodiscard]] std::uint64_t shadow_bytes(const MemoryShape& shape);
 

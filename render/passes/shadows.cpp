@@ -6,6 +6,8 @@
 
 #include "render/passes/compute_pass.h"
 #include "render/shaders/shared/shadow_map.h"
+#include "render/shadow_tables.h"
+#include "shaders/occludergroups.comp.h"
 #include "shaders/occluders.comp.h"
 #include "shaders/maprows.comp.h"
 #include "shaders/mapshadows.comp.h"
@@ -19,6 +21,7 @@ namespace {
 // The steps in their order; those that are not needed are not there.
 struct ShadowSteps {
   std::optional<BoundPipeline> bodies;
+  std::optional<BoundPipeline> groups;
   std::optional<BoundPipeline> maps;  // or count, write and prune
   std::optional<BoundPipeline> rows;
   std::optional<BoundPipeline> count;
@@ -36,6 +39,12 @@ class ShadowsPass final : public Pass {
       steps_.bodies->bind(commands);
       const std::uint32_t boxes = rig_.slot_count * FL_BODY_BOXES;
       vkCmdDispatch(commands, groups_of(boxes, FL_GROUP_HEADS), 1, 1);
+      vk::full_barrier(commands);
+    }
+    if (steps_.groups) {
+      steps_.groups->bind(commands);
+      const std::uint64_t bodies = rig_.occluders.size_bytes / sizeof(OccluderRow);
+      vkCmdDispatch(commands, groups_of(static_cast<std::uint32_t>(occluder_groups(bodies)), FL_GROUP_HEADS), 1, 1);
       vk::full_barrier(commands);
     }
     each_beam(commands, steps_.maps ? *steps_.maps : *steps_.count);
@@ -81,6 +90,7 @@ const PassEntry kShadowsPass{
       }
       FL_ASSIGN(steps.places, BoundPipeline::compute(context, kPlacesComp, context.constants));
       if (context.resources.rig.shadow_map_px > 0) {
+        FL_ASSIGN(steps.groups, BoundPipeline::compute(context, kOccludergroupsComp, {}));
         FL_ASSIGN(steps.maps, BoundPipeline::compute(context, kMapshadowsComp, context.constants));
         if (context.resources.rig.shadow_map_px == FL_MAP_ROWS) {
           FL_ASSIGN(steps.rows, BoundPipeline::compute(context, kMaprowsComp, context.constants));
@@ -96,7 +106,7 @@ const PassEntry kShadowsPass{
     },
     [] {
       return std::vector<std::vector<vk::Spirv>>{
-          {kOccludersComp}, {kShadowsComp}, {kPlacesComp}, {kPruneComp}, {kMapshadowsComp}, {kMaprowsComp}};
+          {kOccludersComp}, {kShadowsComp}, {kPlacesComp}, {kPruneComp}, {kMapshadowsComp}, {kMaprowsComp}, {kOccludergroupsComp}};
     },
     "shadows of boxes and fixtures",
     nullptr,

@@ -161,8 +161,7 @@ vec3 chord_light(uint index, uint number, uint begin, BeamShape beam, BeamRow ro
   bool by_nodes = found != 0u && !gobo && kMethod == uint(FL_METHOD_GAUSS) &&
                   !(kMeasured && row.measured != 0u) && !(kWide && beam.spread > kWideSpread);
   if (by_nodes && has_row(ends.line) && row.squeeze == 0.0) {
-    RowLight light = row_light(index, beam, medium, chord, ray, ends.line);
-    return vec3(subtracts ? light.dark : light.whole - light.dark);
+    return vec3(row_light(index, beam, medium, chord, ray, ends.line, subtracts));
   }
   bool weighs = kLensPoints > 1u && by_nodes;
   ShadowWeights weights;

@@ -25,7 +25,7 @@ layout(constant_id = FL_SPEC_BODIES) const bool kBodies = false;
 layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) writeonly buffer ShadowListsBuffer {
   ShadowListRow shadow_lists[];
 };
-layout(set = 0, binding = FL_BINDING_BEAM_MAPS, std430) writeonly buffer ShadowMapsBuffer { uint shadow_maps[]; };
+layout(set = 0, binding = FL_BINDING_BEAM_MAPS, std430) buffer ShadowMapsBuffer { uint shadow_maps[]; };
 
 const uint kThreads = uint(FL_GROUP_BEAM_MAPS);
 #include "render/shaders/lib/shadow_map_words.glsl"
@@ -44,6 +44,8 @@ struct MapSolid {
 };
 shared MapSolid solids[kThreads];
 shared uint solid_count;
+shared uint group_ids[kThreads];
+shared uint group_count;
 shared uint nearest_bits[FL_MAP_CELLS * FL_MAP_CELLS];  // of half floats, which are in the order of their bits
 shared uint farthest_bits[FL_MAP_CELLS * FL_MAP_CELLS];
 
@@ -102,6 +104,47 @@ vec2 inside_m(MapSolid solid, BeamShape beam, vec2 rho, out float lean_m) {
   return part;
 }
 
+// False only where nothing of a group of bodies has a shadow in the beam.
+bool group_may_hide(uint group, uint groups, BeamRow row, BeamShape beam) {
+  uint place = uint(shadow_maps.length()) - 4u * (groups - group);
+  vec4 sphere = vec4(uintBitsToFloat(shadow_maps[place]), uintBitsToFloat(shadow_maps[place + 1u]),
+                     uintBitsToFloat(shadow_maps[place + 2u]), uintBitsToFloat(shadow_maps[place + 3u]));
+  if (sphere.w < 0.0) return false;
+  vec3 center = row.eye.xyz + to_light(row, sphere.xyz - params.position.xyz);
+  float radius_m = sphere.w * beam_stretch(row.squeeze) + 1e-6 * length(center);
+  float reach_m = radius_m * sqrt(1.0 + beam.spread * beam.spread);
+  return center.z + radius_m > 0.0 && center.z - radius_m < beam.range_m &&
+         length(center.xy) <= beam.lens_radius_m + beam.spread * center.z + reach_m;
+}
+
+// Lists the groups from `first` on, one a thread. All threads call it together.
+void list_groups(uint first, uint groups, BeamRow row, BeamShape beam) {
+  uint lane = gl_LocalInvocationIndex;
+  barrier();  // the list before this one has been read
+  if (lane == 0u) group_count = 0u;
+  barrier();
+  if (first + lane < groups && group_may_hide(first + lane, groups, row, beam)) {
+    group_ids[atomicAdd(group_count, 1u)] = first + lane;
+  }
+  barrier();
+}
+
+// Gathers what may hide light among the bodies of the listed groups, from the one numbered `base` there on, one a
+// thread. All threads call it together.
+void gather_solids(uint base, uint all, BeamRow row, BeamShape beam, uint fixture) {
+  uint own = base + gl_LocalInvocationIndex;
+  barrier();  // the solids have been read
+  if (gl_LocalInvocationIndex == 0u) solid_count = 0u;
+  barrier();
+  if (own < group_count * uint(FL_OCCLUDER_GROUP)) {
+    uint at = group_ids[own / uint(FL_OCCLUDER_GROUP)] * uint(FL_OCCLUDER_GROUP) + own % uint(FL_OCCLUDER_GROUP);
+    if (at < all && may_hide(occluders[at], row, beam, fixture)) {
+      solids[atomicAdd(solid_count, 1u)] = map_solid(occluders[at], row, beam);
+    }
+  }
+  barrier();
+}
+
 void main() {
   uint lane = gl_LocalInvocationIndex;
   uint beam_index = gl_WorkGroupID.y * uint(FL_SHADOWS_X) + gl_WorkGroupID.x;
@@ -111,6 +154,7 @@ void main() {
   uint fixture = heads[row.head].fixture;
   uint all = uint(occluders.length());
   if (!kBodies) all = min(all, params.box_count);
+  uint groups = occluder_groups(uint(occluders.length()));
   if (lane < kMapCells * kMapCells) {
     nearest_bits[lane] = packHalf2x16(vec2(kNone, 0.0));
     farthest_bits[lane] = 0u;
@@ -128,30 +172,26 @@ void main() {
       passed[t] = kNone;
     }
     found_all = 0u;
-    for (uint base = 0u; base < all; base += kThreads) {
-      barrier();  // the solids have been read
-      if (lane == 0u) solid_count = 0u;
-      barrier();
-      if (base + lane < all && may_hide(occluders[base + lane], row, beam, fixture)) {
-        uint slot = atomicAdd(solid_count, 1u);
-        solids[slot] = map_solid(occluders[base + lane], row, beam);
-      }
-      barrier();
-      uint count = solid_count;
-      found_all += count;
-      for (uint s = 0u; s < count; ++s) {
-        vec4 rect = solids[s].rect;
-        if (any(greaterThan(rect.xy, block_end)) || any(lessThan(rect.zw, block_rho))) continue;
-        MapSolid solid = solids[s];
-        [[unroll]] for (int t = 0; t < 16; ++t) {
-          vec2 rho = block_rho + kTexel * vec2(float(t & 3), float(t >> 2));
-          float lean_m;
-          vec2 part = inside_m(solid, beam, rho, lean_m);
-          bool hits = part.y > max(part.x, 1e-4) && part.x < part.y;
-          met[t] = hits ? min(met[t], part.x) : met[t];
-          // A plate must not hide light from its own face, nor from what is as far behind it as it may be smaller.
-          float behind_m = max(part.y, part.x + 1.5 * lean_m + 2.0 * solid.slack_m);
-          passed[t] = hits ? min(passed[t], behind_m) : passed[t];
+    for (uint first = 0u; first < groups; first += kThreads) {
+      list_groups(first, groups, row, beam);
+      for (uint base = 0u; base < group_count * uint(FL_OCCLUDER_GROUP); base += kThreads) {
+        gather_solids(base, all, row, beam, fixture);
+        uint count = solid_count;
+        found_all += count;
+        for (uint s = 0u; s < count; ++s) {
+          vec4 rect = solids[s].rect;
+          if (any(greaterThan(rect.xy, block_end)) || any(lessThan(rect.zw, block_rho))) continue;
+          MapSolid solid = solids[s];
+          [[unroll]] for (int t = 0; t < 16; ++t) {
+            vec2 rho = block_rho + kTexel * vec2(float(t & 3), float(t >> 2));
+            float lean_m;
+            vec2 part = inside_m(solid, beam, rho, lean_m);
+            bool hits = part.y > max(part.x, 1e-4) && part.x < part.y;
+            met[t] = hits ? min(met[t], part.x) : met[t];
+            // A plate must not hide light from its own face, nor from what is as far behind it as it may be smaller.
+            float behind_m = max(part.y, part.x + 1.5 * lean_m + 2.0 * solid.slack_m);
+            passed[t] = hits ? min(passed[t], behind_m) : passed[t];
+          }
         }
       }
     }

@@ -41,5 +41,6 @@ void main() {
   occluder.half_edge_0 = vec4(half_edge[0], box.center.w < 0.0 ? -1.0 : radius_m);
   occluder.half_edge_1 = vec4(half_edge[1], 0.0);
   occluder.half_edge_2 = vec4(half_edge[2], 0.0);
-  occluders[uint(occluders.length()) - body_count * uint(FL_BODY_BOXES) + number] = occluder;
+  uint first = uint(occluders.length()) - body_count * uint(FL_BODY_BOXES);
+  occluders[first + body.occluder * uint(FL_BODY_BOXES) + depth] = occluder;
 }

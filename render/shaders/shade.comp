@@ -8,6 +8,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_vote : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #define FL_USE_BEAMS
@@ -181,7 +182,7 @@ float dark_light(uint id, BeamRow row, BeamShape beam, uint first, uint count, R
   if (!beam_chord(beam, row.eye.xyz, ray, 0.0, end_m, chord)) return 0.0;
   known = known && (!kSolids || depth.is_plane || chord.t_base_m + chord.t_to_m <= depth.near_m);
   ShadowChord ends = shadow_chord(row, beam, chord, ray);
-  if (count > 0u && has_row(ends.line)) return row_light(id, beam, medium, chord, ray, ends.line).dark;
+  if (count > 0u && has_row(ends.line)) return row_light(id, beam, medium, chord, ray, ends.line, true);
   if (kLensPoints > 1u) return soft_dark_light(beam, medium, chord, ray, nodes, ends, first, count);
   ShadowParts parts;
   shadow_parts_clear(parts);
@@ -216,6 +217,37 @@ float polynomial(float f[kPer], vec2 at) {
   return sum;
 }
 
+// Dark parts are those of beams with nothing in them: beams with gobos are left to the beam pass.
+bool may_be_smooth(BeamRow row) { return (row.flags & FL_BEAM_PLAIN) != 0u; }
+
+// With maps: sorts the beams of the list, a thread each. Those whose dark parts may be smooth over the tile are listed in
+// list_places, in their order; returns their number. first: word of the list. All threads call it together.
+uint list_tried(uint supertile, uint first, vec2 low, vec2 high, RectDepth depth) {
+  uint tried_count = 0u;
+  for (uint base = 0u; base < list_count; base += uint(FL_GROUP_TILE)) {
+    uint e = base + thread_number();
+    bool is_tried = false;
+    uint id = 0u;
+    if (e < list_count) {
+      id = list_ids[e];
+      BeamRow row = beams[id];
+      uint entry = map_in_cell(id, shadow_cell_before(row, low, high, depth));
+      bool is_taken = (fine_masks[mask_word(id >> 5)] >> (id & 31u) & 1u) == 0u;
+      is_tried = entry != FL_NONE && is_taken && may_be_smooth(row);
+      bool leaves = entry_darkens(entry) != 0u && !is_taken;
+      uint bit = 1u << (id & 31u);
+      if (leaves) atomicOr(dark_bits[id / 32u - first], bit);
+      if (entry != FL_NONE && !is_tried && !leaves) atomicOr(rest_bits[id / 32u - first], bit);
+    }
+    uint count;
+    uint slot = ordered_slot(is_tried, count);
+    if (is_tried) list_places[tried_count + slot] = id;
+    tried_count += count;
+  }
+  barrier();
+  return tried_count;
+}
+
 void main() {
   uint number = thread_number();
   uvec2 cell = gl_WorkGroupID.xy / uint(FL_SUPERTILE_PX / FL_FINE_PX);
@@ -238,25 +270,29 @@ void main() {
     rest_bits[number] = 0u;
     dark_bits[number] = 0u;
     barrier();
-    for (uint e = 0u; e < list_count; e += kTeams) {
+    uint tried_count = kMaps ? list_tried(supertile, first, low, high, depth) : list_count;
+    for (uint e = 0u; e < tried_count; e += kTeams) {
       uint entry = e + team_number();
-      bool is_beam = entry < list_count;
-      uint id = list_ids[min(entry, list_count - 1u)];
+      bool is_beam = entry < tried_count;
+      uint id = kMaps ? list_places[min(entry, tried_count - 1u)] : list_ids[min(entry, list_count - 1u)];
       BeamRow row = beams[id];
       BeamShape beam = beam_shape(row);
       beam.profile_power = drawn_profile(beam.profile_power);
       uint nodes = air_nodes(beam.profile_power);
+      ShadowCell cell_of;
       ShadowPicks picks = shadow_picks_of(supertile, id);
       if (!is_beam) picks.count = 0u;
       bool is_taken = (fine_masks[mask_word(id >> 5)] >> (id & 31u) & 1u) == 0u;
-      bool is_dark;
-      ShadowCell cell_of = shadow_cell_before(row, low, high, depth);
-      uint count = list_team_entries(id, picks, cell_of, is_dark);
+      bool is_dark = false;
+      uint count = picks.count;
+      if (!kMaps) {
+        cell_of = shadow_cell_before(row, low, high, depth);
+        count = list_team_entries(id, picks, cell_of, is_dark);
+      }
       bool fits = count <= kTeamRoom;
       uint first_entry = team_number() * kTeamRoom;
-      // Beams with gobos are left to the beam pass: dark parts are those of beams with nothing in them.
-      bool plain = (row.flags & FL_BEAM_PLAIN) != 0u;
-      uint tried = is_taken && fits && plain ? count : 0u;
+      uint tried = is_taken && fits && may_be_smooth(row) ? count : 0u;
+      float tolerated = tolerance / max(row.j0.r, max(row.j0.g, row.j0.b));
       bool known = true;
       float dark[kPer];
       float f[kPer];
@@ -274,17 +310,20 @@ void main() {
         if (max(place.x, place.y) == 3u) off += abs(f[k]);
       }
       off = team_sum(vec2(off, 0.0)).x;
-      FL_LANE_NODES(k) {
-        vec2 at = check_position(k);
-        float there = dark_light(id, row, beam, first_entry, tried, depth, medium, nodes,
-                                 middle + FL_HULL * kHalf * at, known);
-        most = max(most, there);
-        off = max(off, abs(there - polynomial(f, at)));
-      }
       off = team_max(known ? off : FL_FAR_M);
+      if (subgroupAny(tried > 0u && off <= tolerated)) {
+        FL_LANE_NODES(k) {
+          vec2 at = check_position(k);
+          float there = dark_light(id, row, beam, first_entry, tried, depth, medium, nodes,
+                                   middle + FL_HULL * kHalf * at, known);
+          most = max(most, there);
+          off = max(off, abs(there - polynomial(f, at)));
+        }
+        off = team_max(known ? off : FL_FAR_M);
+      }
       most = team_max(most);
       // A shadow that none of the places meets may still be between them.
-      bool close = off <= tolerance / max(row.j0.r, max(row.j0.g, row.j0.b)) && most > 0.0;
+      bool close = off <= tolerated && most > 0.0;
       bool leaves = is_dark && !is_taken;
       bool stores = count > 0u && !close && !leaves;
       if (close) {

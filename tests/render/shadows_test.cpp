@@ -95,6 +95,40 @@ TEST_CASE("shadow maps come nearer to the judge with more texels, in the air and
   CHECK(before < 1e-2);
 }
 
+TEST_CASE("from every side the rows of shadow maps come nearer to exact shadows than maps of half the texels do") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = cluttered_scene(5, 16, 3);
+  FrameSettings settings = judged_settings(128, 72);
+  // Beside the beams, above and below them, behind the lenses, and among the beams, where some have no rows.
+  const fixtures::Camera cameras[] = {scene.camera,
+                                      {"left", {-14, 2, 4}, {0, 2, 2}, 50, 8},
+                                      {"right", {12, 9, 1}, {0, 2, 2}, 60, 8},
+                                      {"behind", {3, -16, 6}, {0, 4, 2}, 40, 8},
+                                      {"above", {1, 3, 16}, {0.5, 3, 0}, 60, 8},
+                                      {"among", {0.3, 1.5, 2.5}, {1.5, 6, 2}, 70, 8}};
+  for (const fixtures::Camera& camera : cameras) {
+    CAPTURE(camera.name);
+    scene.camera = camera;
+    const auto picture = [&](std::uint32_t px) {
+      settings.shadow_map_px = px;
+      settings.shadows = true;
+      return draw_new(vulkan.device(), scene, settings).rgb;
+    };
+    const std::vector<float> exact_rgb = picture(0);
+    const std::vector<double> exact(exact_rgb.begin(), exact_rgb.end());
+    const PictureNorms rows = picture_norms(picture(64), exact);
+    const PictureNorms samples = picture_norms(picture(32), exact);
+    settings.shadows = false;
+    const PictureNorms none = picture_norms(draw_new(vulkan.device(), scene, settings).rgb, exact);
+    std::fprintf(stderr, "rows from %s: relL2 %.3g, with 32 texels %.3g, without shadows %.3g\n", camera.name.c_str(),
+                 rows.rel_l2, samples.rel_l2, none.rel_l2);
+    CHECK(rows.nonfinite == 0);
+    CHECK(rows.rel_l2 < 0.9 * samples.rel_l2);
+    CHECK(rows.rel_l2 < 0.2 * none.rel_l2);
+  }
+}
+
 TEST_CASE("shadow maps suit rigs with more than a million pairs, with fewer texels where tables are small") {
   Scene scene = optics_scene(false);
   for (int i = 0; i < 1200; ++i) scene.rig.boxes.push_back({"box", {0, 1, 0}, {1, 2, 1}, glm::dvec3(0.5)});

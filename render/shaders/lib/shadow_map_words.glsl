@@ -4,3 +4,4 @@ const uint kMapCells = uint(FL_MAP_CELLS);
 const bool kMapRows = kMapPx == uint(FL_MAP_ROWS);
 const uint kMapRowsAt = kMapPx * kMapPx + kMapCells * kMapCells;
 const uint kMapWords = kMapRowsAt + (kMapRows ? uint(FL_MAP_ROWS * FL_MAP_ROW_WORDS) : 0u);
+uint occluder_groups(uint bodies) { return (bodies + uint(FL_OCCLUDER_GROUP) - 1u) / uint(FL_OCCLUDER_GROUP); }

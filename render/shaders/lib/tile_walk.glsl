@@ -72,6 +72,29 @@ uint walk_before(uint own, out uint all) {
   return before;
 }
 
+// Lists all beams where there are no more than a list holds, a thread each.
+void walk_list_few() {
+  uint lane = walk_lane();
+  uint words = walk_words();
+  uint first = walk_word(0u);
+  barrier();  // the list before this one has been read by all
+  if (lane < 8u) walk_bits[lane] = 0u;
+  uint all = 0u;
+  for (uint word = 0u; word < words; ++word) {
+    uint bits = walk_listed(first, word);
+    uint bit = lane & 31u;
+    if ((lane >> 5) == word % (kThreads / 32u) && (bits >> bit & 1u) != 0u) {
+      walk_ids[all + uint(bitCount(bits & ((1u << bit) - 1u)))] = word * 32u + bit;
+    }
+    all += uint(bitCount(bits));
+  }
+  if (lane == 0u) {
+    walk_count = all;
+    walk_next = words;
+  }
+  barrier();
+}
+
 // Lists beams of as many whole words as fit. Each thread reads words beside each other.
 void walk_list(uint from) {
   uint lane = walk_lane();
@@ -108,7 +131,8 @@ void walk_list(uint from) {
 }
 
 uint tile_walk(uint from) {
-  walk_list(from);
+  if (counts.live_count <= FL_WALK_BEAMS) walk_list_few();
+  else walk_list(from);
   uint count = walk_count;
   for (uint number = walk_lane(); number < count; number += kThreads) {
     if (tile_takes(walk_ids[number], number)) atomicOr(walk_bits[number >> 5], 1u << (number & 31u));

@@ -124,7 +124,8 @@
 #define FL_BINDING_DISPLAY_LEVELS (90 + FL_LAMP_COUNT)
 #define FL_BINDING_DISPLAY_CELLS (91 + FL_LAMP_COUNT)
 #define FL_BINDING_DISPLAY_JOBS (92 + FL_LAMP_COUNT)
-// Shadow maps (lib/shadow_map.glsl), one a beam: FL_MAP_CELLS x FL_MAP_CELLS words of cells, then the texels.
+// Shadow maps (lib/shadow_map.glsl), one a beam: FL_MAP_CELLS x FL_MAP_CELLS words of cells, then the texels, then
+// the rows. Behind all maps the spheres around groups of what hides light (shared/shadow_map.h).
 #define FL_BINDING_BEAM_MAPS (93 + FL_LAMP_COUNT)
 // Floors that mirror (gloss.comp): GlossRow, and the pyramid of the mirrored camera's picture (render/mirror.h).
 #define FL_BINDING_GLOSS (94 + FL_LAMP_COUNT)
@@ -758,7 +759,7 @@ struct SheenRow {
 #define FL_SHEENS_MAX 64  // what the visibility buffer can number; the first one is matt
 
 // What hides light: a parallelepiped on the stage, 64 bytes. Those that do not move come first, then FL_BODY_BOXES of
-// each body.
+// each body; bodies near each other have near places, so that groups of rows are small.
 struct OccluderRow {
   float center_x;  // m
   float center_y;
@@ -939,7 +940,7 @@ struct BodySlotRow {
   uint head;
   uint mesh;
   uint triangle_first;
-  uint pad;
+  uint occluder;  // FL_BODY_BOXES rows from FL_BODY_BOXES times this on, of those that move, hide light in its place
 };
 // What is drawn of a body: the index of its level; or nothing.
 #define FL_CHOICE_WIDE 0x80000000u  // it may have triangles that one thread should not draw alone

@@ -5,3 +5,6 @@
 #define FL_MAP_GROUP_WORDS 4  // two places a word
 // Two groups a word: their least numbers, then their largest ones. Then the groups.
 #define FL_MAP_ROW_WORDS (2 * (FL_MAP_ROW_GROUPS / 2) + FL_MAP_ROW_GROUPS * FL_MAP_GROUP_WORDS)
+// Bodies that hide light, in the order of their table, have a sphere around each so many: four floats a sphere, which
+// stand behind all maps at the end of their table.
+#define FL_OCCLUDER_GROUP 32
