@@ -380,8 +380,16 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   PumpOptions options;
   options.merge = bridge.merge;
   options.stop_at_end = bridge.stop_at_end;
-  options.on_notice = [&reporter](const Notice& notice) { reporter.report(notice); };
+  Pump* running = nullptr;
+  options.on_notice = [&](const Notice& notice) {
+    reporter.report(notice);
+    const bool ends = bridge.stop_at_lost_sink && notice.id == "port-lost" &&
+                      std::any_of(bridge.sinks.begin(), bridge.sinks.end(),
+                                  [&](const auto& sink) { return sink->name() == notice.port; });
+    if (ends && running != nullptr) running->request_stop();
+  };
   Pump pump(universes, clock, *waiter, options);
+  running = &pump;
   for (const auto& source : bridge.sources) pump.add_source(*source);
   for (const auto& sink : bridge.sinks) pump.add_sink(*sink);
   if (bridge.tap != nullptr) pump.add_tap(*bridge.tap);

@@ -40,6 +40,7 @@ struct Bridge {
   MergeOptions merge;
   FrameReceiver* tap = nullptr;
   bool stop_at_end = false;
+  bool stop_at_lost_sink = false;  // ends when one of `sinks` is lost
   DurationNs run_for_ns = kTimeNever;
   bool json = false;
   std::optional<EventFormat> event_format;       // default: text; with json none (events are on stdout)
