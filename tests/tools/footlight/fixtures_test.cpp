@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <doctest/doctest.h>
@@ -295,6 +296,26 @@ TEST_CASE("rig check names meshes, their images and videos that are missing or d
   CHECK(contains(broken.out, clip + ": error: display 'Wall': "));
   CHECK(contains(broken.out, "[video]"));
   CHECK(contains(broken.out, "wall.toml: warnings"));
+}
+
+TEST_CASE("a video that is a folder, a pipe, a link to itself or not there is named as that") {
+  namespace fs = std::filesystem;
+  TempFolder folder;
+  const std::string wall = folder.write("wall.toml", kVideoWall);
+  const std::string clip = folder.file("clip.mp4");
+  const auto said = [&](const std::string& what) {
+    return contains(footlight({"rig", "check", wall}).out, "video: " + clip + ": " + what);
+  };
+  CHECK(said("there is no such file; correct the name"));
+  fs::create_directory(clip);
+  CHECK(said("a folder; expected a file with a video"));
+  CHECK(contains(footlight({"clip", clip}).err, clip + ": a folder; expected a file with a video"));
+  fs::remove(clip);
+  REQUIRE(::mkfifo(clip.c_str(), 0600) == 0);
+  CHECK(said("a pipe or a device; expected a file with a video"));
+  fs::remove(clip);
+  fs::create_symlink("clip.mp4", clip);
+  CHECK(said("cannot be looked up: "));
 }
 
 TEST_CASE("a file that is not a rig is reported as the format of its name and its first bytes") {
