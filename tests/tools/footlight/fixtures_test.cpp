@@ -318,6 +318,23 @@ TEST_CASE("a video that is a folder, a pipe, a link to itself or not there is na
   CHECK(said("cannot be looked up: "));
 }
 
+TEST_CASE("rig check warns of a projector whose dimmer is one of its own pixels") {
+  TempFolder folder;
+  const auto checked = [&](int address) {
+    return footlight(
+               {"rig", "check",
+                folder.write("p.toml",
+                             "[rig]\nname = \"p\"\n[[projector]]\nname = \"Beamer\"\nposition = [0, -6, 4]\n"
+                             "aim = [0, 4, 2]\nuniverse = 5\naddress = " +
+                                 std::to_string(address) + "\ncontent = { universe = 5, columns = 16, rows = 9 }\n")})
+        .out;
+  };
+  const std::string inside = checked(432);
+  CHECK(contains(inside, "Beamer and the pixels of Beamer share universe 5, address 432"));
+  CHECK(contains(inside, "[pixel-overlap]"));
+  CHECK_FALSE(contains(checked(433), "pixel-overlap"));
+}
+
 TEST_CASE("a file that is not a rig is reported as the format of its name and its first bytes") {
   TempFolder folder;
   const std::string archive = make_zip({{"a.txt", "x"}});

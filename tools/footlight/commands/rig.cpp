@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fixtures/bodies/check_meshes.h"
+#include "fixtures/edit/patch_slots.h"
 #include "fixtures/files/export/mvr.h"
 #include "fixtures/files/export/rig_toml.h"
 #include "fixtures/files/export/vrsl_patch_json.h"
@@ -77,6 +78,17 @@ void check_videos(const fixtures::Rig& rig, Diagnostics& diagnostics, const fixt
   }
 }
 
+// One fader must not be a pixel by mistake: a projector's dimmer would flicker with its own picture.
+void check_pixels(const fixtures::Rig& rig, const std::string& path, Diagnostics& diagnostics) {
+  for (const fixtures::PixelConflict& conflict : fixtures::pixel_conflicts(rig)) {
+    diagnostics.add({Severity::kWarning,
+                     "pixel-overlap",
+                     {path},
+                     text_of(conflict, rig) + "; move one of them, or set shares_address of the fixture",
+                     "both use these slots"});
+  }
+}
+
 // `files`: also reads and draws gobos, and reads the meshes, their images and the videos that the rig names.
 Opened open(const std::string& path, const std::vector<std::string>& folders, bool files) {
   Diagnostics diagnostics;
@@ -90,6 +102,7 @@ Opened open(const std::string& path, const std::vector<std::string>& folders, bo
     for (const fixtures::FixtureType& type : rig->rig.types) fixtures::check_images(type, diagnostics, budget);
     fixtures::check_meshes(rig->rig, diagnostics, progress.go_on());
     check_videos(rig->rig, diagnostics, progress.go_on());
+    check_pixels(rig->rig, path, diagnostics);
   }
   diagnostics.finish();
   if (rig) rig->diagnostics = diagnostics.all();
