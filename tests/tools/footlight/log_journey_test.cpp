@@ -314,6 +314,8 @@ TEST_CASE("a bridge whose recording failed exits with 1 and names the log") {
   REQUIRE(::setrlimit(RLIMIT_FSIZE, &tight) == 0);
   const Outcome replay = footlight({"replay", played, "--out", "log:" + full});
   const Outcome run = footlight({"run", "--in", "log:" + played, "--out", "log:" + full + "2", "--for", "1s"});
+  const std::string pictures = "vrsl:1-7@" + folder.file("p_%05d.png");
+  const Outcome drawn = footlight({"replay", played, "--out", pictures});
   REQUIRE(::setrlimit(RLIMIT_FSIZE, &before) == 0);
   std::signal(SIGXFSZ, previous);
   for (const Outcome& outcome : {replay, run}) {
@@ -323,6 +325,9 @@ TEST_CASE("a bridge whose recording failed exits with 1 and names the log") {
     CHECK(contains(outcome.err, "the recording is incomplete"));
     CHECK(contains(outcome.err, "cannot write any more; what is in it so far can be read"));
   }
+  CAPTURE(drawn.err);
+  CHECK(drawn.exit_code == 1);
+  CHECK(contains(drawn.err, pictures + ": the recording is incomplete"));
 }
 
 TEST_CASE("a recording ends when its disk is full, keeps what was written, and does not go on when space comes back") {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
+#include <filesystem>
 #include <mutex>
 #include <thread>
 
@@ -352,11 +353,20 @@ Result<Servers> serve(const Bridge& bridge, const StatusPages& pages) {
   return servers;
 }
 
+// Whether a sink writes a log, pictures or a video, which somebody wants to read afterwards.
+bool is_written(std::string_view sink) {
+  if (sink.starts_with("log:")) return true;
+  const std::size_t at = sink.find('@');
+  if (!sink.starts_with("vrsl:") || at == std::string_view::npos) return false;
+  const std::string_view target = sink.substr(at + 1);
+  return !target.starts_with("/dev/") && std::filesystem::path(target.substr(0, target.find('?'))).has_extension();
+}
+
 }  // namespace
 
 Status check_recordings(const BridgeReport& report) {
   for (const PortStatus& port : report.status.ports) {
-    if (!port.is_sink || !port.name.starts_with("log:") || port.state != PortState::kGone) continue;
+    if (!port.is_sink || !is_written(port.name) || port.state != PortState::kGone) continue;
     return fail(ErrorCode::kIo, "{}: the recording is incomplete: {}", port.name, port.trouble);
   }
   return {};

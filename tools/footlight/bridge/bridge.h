@@ -61,7 +61,7 @@ struct BridgeReport {
 // `signal` must be created before the ports are opened, so that a Ctrl-C in between is not lost. Prints the summary.
 [[nodiscard]] Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal);
 
-// kIo, with the reason, if a log that the bridge recorded is incomplete.
+// kIo, with the reason, if a log, or pictures in files, that the bridge wrote are incomplete.
 Status check_recordings(const BridgeReport& report);
 
 // Sorts and removes duplicates.
