@@ -423,13 +423,14 @@ TEST_CASE("the File menu lists stations with their files, and asks for the one t
 }
 
 TEST_CASE("Ctrl+A and Del between two pictures empty a field of text") {
-  constexpr int kA = 65, kDelete = 261, kPress = 1, kRelease = 0, kControl = 2;  // of GLFW
+  constexpr int kA = 65, kDelete = 261, kEnd = 269, kPress = 1, kRelease = 0, kControl = 2;  // of GLFW
   ImGuiContext* const context = ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   io.DisplaySize = {400, 300};
   io.KeyMap[ImGuiKey_A] = kA;
   io.KeyMap[ImGuiKey_Delete] = kDelete;
+  io.KeyMap[ImGuiKey_End] = kEnd;
   unsigned char* pixels = nullptr;
   int width = 0, height = 0;
   io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
@@ -444,13 +445,17 @@ TEST_CASE("Ctrl+A and Del between two pictures empty a field of text") {
     ImGui::InputText("name", text.data(), text.size());
     ImGui::Render();
   };
-  for (int i = 0; i < 3; ++i) picture();
-  for (const int code : {kA, kDelete}) {
+  const auto tap = [&](int code, int mods) {
     for (const int action : {kPress, kRelease}) {
-      taps.take_key(code, action, code == kA ? kControl : 0);
+      taps.take_key(code, action, mods);
       io.KeysDown[code] = action == kPress;
     }
-  }
+  };
+  for (int i = 0; i < 3; ++i) picture();
+  tap(kEnd, 0);  // the focus has selected all
+  for (int i = 0; i < 3; ++i) picture();
+  tap(kA, kControl);
+  tap(kDelete, 0);
   for (int i = 0; i < 4; ++i) picture();
   CHECK(std::string(text.data()).empty());
   ImGui::DestroyContext(context);
