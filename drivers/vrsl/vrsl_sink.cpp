@@ -132,9 +132,9 @@ TimeNs VrslSink::next_deadline_ns() const {
 }
 
 PortState VrslSink::state() const {
-  if (impl_->closed) return PortState::kEnded;
   const std::lock_guard lock(impl_->mutex);
-  return impl_->error.empty() ? PortState::kWorking : PortState::kGone;
+  if (!impl_->error.empty()) return PortState::kGone;  // also after the end: a video may fail there
+  return impl_->closed ? PortState::kEnded : PortState::kWorking;
 }
 
 std::string VrslSink::trouble() const {

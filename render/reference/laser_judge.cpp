@@ -46,14 +46,19 @@ class LaserJudge {
         pixel_(2 * view.tan_half_fov / height),
         rgb_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3, 0.0) {}
 
-  void add(const JudgeLaser& laser) {
-    for (const JudgeMove& move : laser.moves) {
+  // Calls go_on with the share of the moves that are done. False: it ended the picture.
+  bool add(const JudgeLaser& laser, const std::function<bool(double)>& go_on) {
+    for (std::size_t done = 0; done < laser.moves.size(); ++done) {
+      const JudgeMove& move = laser.moves[done];
       const int count = pieces_of(laser, move);
       for (int i = 0; i < count; ++i) {
+        const auto moves = static_cast<double>(laser.moves.size());
+        if (go_on && !go_on((static_cast<double>(done) + static_cast<double>(i) / count) / moves)) return false;
         const glm::dvec2 at = move.from_rad + (move.to_rad - move.from_rad) * ((i + 0.5) / count);
         add_beam(laser, direction(laser, at), laser.flux_lm * move.rgb * (move.share / count));
       }
     }
+    return true;
   }
   std::vector<double> take() { return std::move(rgb_); }
 
@@ -295,9 +300,14 @@ Result<std::vector<JudgeLaser>> judged_lasers(const fixtures::Rig& rig, fixtures
 }
 
 std::vector<double> judge_lasers(const JudgeScene& scene, const std::vector<JudgeLaser>& lasers, const View& view,
-                                 int width, int height, double step_px) {
+                                 int width, int height, double step_px, const std::function<bool(double done)>& go_on) {
   LaserJudge judge(scene, view, width, height, step_px);
-  for (const JudgeLaser& laser : lasers) judge.add(laser);
+  for (std::size_t i = 0; i < lasers.size(); ++i) {
+    const auto share = [&](double done) {
+      return !go_on || go_on((static_cast<double>(i) + done) / static_cast<double>(lasers.size()));
+    };
+    if (!judge.add(lasers[i], share)) return {};
+  }
   return judge.take();
 }
 

@@ -4,6 +4,7 @@
 // shares no formula with the closed form: no chord, no error function, no sheet.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -40,8 +41,10 @@ struct JudgeLaser {
                                                             double range_m);
 
 // Light of the lasers in the air and on the boxes of a scene, cd/m^2; 3 values a pixel. step_px: length of the pieces
-// in the picture; half of it tells the judge's own error.
+// in the picture; half of it tells the judge's own error. go_on is optional and is called at times with the share that
+// is done; false ends it, and the result is empty.
 [[nodiscard]] std::vector<double> judge_lasers(const JudgeScene& scene, const std::vector<JudgeLaser>& lasers,
-                                               const View& view, int width, int height, double step_px = 0.3);
+                                               const View& view, int width, int height, double step_px = 0.3,
+                                               const std::function<bool(double done)>& go_on = {});
 
 }  // namespace footlight::render

@@ -129,7 +129,8 @@ struct ToCsv {
     }
     return quoted + "\"";
   }
-  std::string operator()(double v) const { return fmt::format("{}", v); }
+  // Empty where nothing was measured: tables read "nan" as a word.
+  std::string operator()(double v) const { return std::isnan(v) ? "" : fmt::format("{}", v); }
   std::string operator()(std::int64_t v) const { return fmt::format("{}", v); }
 };
 

@@ -105,6 +105,9 @@ struct LogDamage {
   std::string what;  // "checksum of the block is wrong", ...
 };
 
+inline constexpr std::size_t kLogDamageListedMax = 64;       // of the damaged parts of a log
+inline constexpr std::size_t kLogDamageCountedMax = 65'536;  // bounds the memory on a broken disk
+
 struct LogUniverseInfo {
   Universe universe = 0;
   std::uint64_t frames = 0;
@@ -145,8 +148,9 @@ struct LogInfo {
   std::uint64_t file_bytes = 0;
   bool finished = false;          // its writer closed it; if not, it was read up to its last whole block
   bool checked = false;           // every block was read, not only the index
-  std::vector<LogDamage> damage;  // the first 64
-  std::uint64_t damage_count = 0;
+  std::vector<LogDamage> damage;  // the first kLogDamageListedMax
+  std::uint64_t damage_count = 0;  // of all; kLogDamageCountedMax: so many or more
+  std::uint64_t damage_bytes = 0;  // of all that are counted
   [[nodiscard]] bool recovered() const { return !finished || damage_count > 0; }
 };
 
@@ -213,11 +217,12 @@ class LogReader {
   // counts per universe then need read_log_info().
   [[nodiscard]] const LogInfo& info() const;
 
-  // All damage that this reader and every other one of the same log (again()) has met so far; at most the first 64
-  // parts, and how many there are. Any thread may call it while others read.
+  // All damage that this reader and every other one of the same log (again()) has met so far; the first parts,
+  // how many there are and their bytes. Any thread may call it while others read.
   struct DamageMet {
-    std::uint64_t count = 0;
-    std::vector<LogDamage> first;
+    std::uint64_t count = 0;  // kLogDamageCountedMax: so many or more
+    std::uint64_t bytes = 0;
+    std::vector<LogDamage> first;  // at most kLogDamageListedMax
   };
   [[nodiscard]] DamageMet damage_met() const;
 

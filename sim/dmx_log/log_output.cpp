@@ -98,7 +98,7 @@ class FileOutput final : public LogOutput {
         if (::ftruncate(fd_, static_cast<off_t>(size_)) != 0) {
           // The reader skips the torn block.
         }
-        return fail_errno(error_number, part_path_, "cannot write; what is in it so far can be read");
+        return fail_errno(error_number, part_path_, "cannot write any more; what is in it so far can be read");
       }
       done += static_cast<std::size_t>(count);
     }

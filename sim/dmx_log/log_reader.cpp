@@ -30,8 +30,6 @@ static_assert(kLogBlockBytesMax == dmx_log::kRawBytesMax);
 
 namespace {
 
-constexpr std::size_t kDamageListedMax = 64;
-constexpr std::size_t kDamageCountedMax = 65'536;  // bounds the memory on a broken disk
 constexpr std::size_t kScanBytes = 64u << 10;
 
 class Input {
@@ -88,9 +86,10 @@ class SharedDamage {
  public:
   void add(const LogDamage& damage) {
     const std::lock_guard lock(mutex_);
-    if (offsets_.size() == kDamageCountedMax || !offsets_.insert(damage.offset).second) return;
+    if (offsets_.size() == kLogDamageCountedMax || !offsets_.insert(damage.offset).second) return;
     ++met_.count;
-    if (met_.first.size() < kDamageListedMax) met_.first.push_back(damage);
+    met_.bytes += damage.size_bytes;
+    if (met_.first.size() < kLogDamageListedMax) met_.first.push_back(damage);
   }
   [[nodiscard]] LogReader::DamageMet met() const {
     const std::lock_guard lock(mutex_);
@@ -119,11 +118,12 @@ struct LogReader::Impl {
   }
 
   void note_damage(std::uint64_t offset, std::uint64_t size_bytes, std::string what) {
-    if (damage_offsets.size() == kDamageCountedMax) return;
+    if (damage_offsets.size() == kLogDamageCountedMax) return;
     if (!damage_offsets.insert(offset).second) return;  // already recorded on an earlier pass
     ++info.damage_count;
+    info.damage_bytes += size_bytes;
     shared_damage->add({offset, size_bytes, what});
-    if (info.damage.size() < kDamageListedMax) info.damage.push_back({offset, size_bytes, std::move(what)});
+    if (info.damage.size() < kLogDamageListedMax) info.damage.push_back({offset, size_bytes, std::move(what)});
   }
 
   Status open() {

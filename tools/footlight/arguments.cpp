@@ -173,8 +173,11 @@ int run_command_line(int argc, const char* const* argv, std::span<const CommandI
       trouble = fmt::format("there is no command \"{}\"; expected", unknown.front());
       for (const CLI::App* sub : known)
         trouble += fmt::format("{} {}", sub == known.front() ? "" : ",", sub->get_name());
+    } else if (!unknown.empty() && dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+      trouble = unknown.size() == 1 ? "this argument was not expected:" : "these arguments were not expected:";
+      for (const std::string& one : unknown) trouble += " '" + one + "'";
     }
-    std::fputs(fmt::format("footlight: {}\nSee '{} --help'.\n", trouble, name).c_str(), stderr);
+    std::fputs(fmt::format("footlight: {}\nSee '{} --help'.\n", printable_line(trouble), name).c_str(), stderr);
     return kExitUsage;
   }
 

@@ -158,6 +158,17 @@ TEST_CASE("CSV quotes texts with separators and keeps every digit") {
   CHECK(std::count(text.begin(), text.end(), '\n') == 3);
 }
 
+TEST_CASE("CSV has an empty cell where nothing was measured") {
+  std::vector<PictureRow> rows = picture_rows();
+  rows[0].flip = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::string> lines = lines_of(csv_of(rows));
+  REQUIRE(lines.size() == 3);
+  CHECK(lines[1].find(",0.2,,0,123456789012") != std::string::npos);  // max, flip, nonfinite, bytes
+  CHECK(lines[2].find(",12,1.1,0,,0.0009,") != std::string::npos);    // ms_p50 to rel_l2_low
+  CHECK(lines[1].find("nan") == std::string::npos);
+  CHECK(lines[2].find("nan") == std::string::npos);
+}
+
 TEST_CASE("cost at an error is interpolated in logarithms, in order of cost") {
   const Curve curve = power_law(2);
   CHECK(*cost_at_error(curve, 1e-2) == doctest::Approx(std::sqrt(10)));

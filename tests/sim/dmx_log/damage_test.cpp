@@ -137,8 +137,38 @@ TEST_CASE("all readers of a log know of the damage that one of them has met") {
   REQUIRE(met.first.size() == 1);
   CHECK(met.first[0].offset == offsets[1]);
   CHECK(first->info().damage_count == 0);
+  CHECK(met.bytes == met.first[0].size_bytes);
   (void)all_frames(*first);
   CHECK(second.damage_met().count == 1);  // the same once more
+  CHECK(second.damage_met().bytes == met.bytes);
+}
+
+TEST_CASE("more damaged parts than are listed are counted, with their bytes") {
+  std::vector<OwnedFrame> frames;
+  for (int i = 0; i < 300; ++i) {
+    OwnedFrame frame;
+    frame.universe = 1;
+    frame.time_ns = i * 10 * kNsPerMs;
+    frame.slots = {static_cast<std::uint8_t>(i), 5};
+    frames.push_back(frame);
+  }
+  LogWriterOptions options;
+  options.block_span_ns = 5 * kNsPerMs;
+  auto bytes = log_bytes(frames, 4 * kNsPerS, options);
+  const auto offsets = block_offsets(bytes);
+  REQUIRE(offsets.size() > 201);
+  for (std::size_t i = 0; i < 200; i += 2) bytes[offsets[i] + dmx_log::kBlockHeaderBytes] ^= 0xFF;
+  std::uint64_t size = 0;
+  for (std::size_t i = 0; i < 200; i += 2) size += offsets[i + 1] - offsets[i];
+  auto reader = LogReader::open_bytes(std::move(bytes), "a.dmxlog");
+  REQUIRE(reader);
+  (void)all_frames(*reader);
+  CHECK(reader->info().damage.size() == kLogDamageListedMax);
+  CHECK(reader->info().damage_count == 100);
+  CHECK(reader->info().damage_bytes == size);
+  CHECK(reader->damage_met().count == 100);
+  CHECK(reader->damage_met().first.size() == kLogDamageListedMax);
+  CHECK(reader->damage_met().bytes == size);
 }
 
 TEST_CASE("one flipped bit anywhere in the header loses the origin and the clock, but no frame, finished or not") {

@@ -87,6 +87,17 @@ struct Wrong {
   std::vector<std::string> named;
 };
 
+TEST_CASE("arguments that are not expected are quoted in messages, and no control character reaches the terminal") {
+  CHECK(contains(footlight({"tap", ""}).err, "this argument was not expected: ''"));
+  CHECK(contains(footlight({"tap", "a b", "::"}).err, "these arguments were not expected: 'a b' '::'"));
+  for (const auto& words : {std::vector<std::string>{"tap", "\x1b[2J"}, {"clip", "a.mkv", "--rows", "\x1b[2J"}}) {
+    const Outcome outcome = footlight(words);
+    CHECK(outcome.exit_code == 2);
+    CHECK(contains(outcome.err, "\xEF\xBF\xBD[2J"));
+    CHECK_FALSE(contains(outcome.err, "\x1b"));
+  }
+}
+
 TEST_CASE("wrong arguments end with an exit code and a message that names the thing and the next step") {
   const TempFolder folder;
   const std::string missing = folder.file("missing.dmxlog");

@@ -8,12 +8,14 @@
 #include <vector>
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/definition_files.h"
+#include "tests/support/model_bytes.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/zip_bytes.h"
 #include "tests/tools/footlight/run_footlight.h"
@@ -259,6 +261,78 @@ TEST_CASE("rig check counts panes of glass and displays") {
   REQUIRE(footlight({"samples", samples}).exit_code == 0);
   CHECK(contains(footlight({"rig", "check", samples + "/chapel.toml"}).out, ", 3 panes of glass"));
   CHECK(contains(footlight({"rig", "check", samples + "/wall.toml"}).out, ", 4 displays"));
+}
+
+constexpr const char* kVideoWall =
+    "[rig]\nname = \"w\"\n[[display]]\nname = \"Wall\"\nposition = [0, 4, 2.5]\nwidth_m = 4\nheight_m = 2\nnits = 600\n"
+    "video = \"clip.mp4\"\n";
+
+TEST_CASE("rig check names meshes, their images and videos that are missing or damaged") {
+  TempFolder folder;
+  const std::string pose = ", pose = [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0] }";
+  folder.write("files/broken.3ds", "no mesh");
+  folder.write("files/cut.glb", std::string("glTF\2\0\0\0\xff\0\0\0", 12));
+  folder.write("files/sign.3ds", quad_3ds(texture_3ds("sign.png")));
+  std::string parts;
+  for (const char* file : {"away.3ds", "broken.3ds", "cut.glb", "sign.3ds", "broken.3ds"}) {
+    parts += std::string(parts.empty() ? "" : ", ") + "{ file = \"" + file + "\"" + pose;
+  }
+  const std::string meshes =
+      folder.write("meshes.toml",
+                   "[rig]\nname = \"r\"\nfiles = \"files\"\n[[object]]\nname = \"Truss\"\nkind = \"truss\"\nparts = [" +
+                       parts + "]\n");
+  const Outcome checked = footlight({"rig", "check", meshes});
+  CHECK(checked.exit_code == 0);
+  CHECK(contains(checked.out, "the folder that [rig] files names has no \"away.3ds\""));
+  CHECK(contains(checked.out, "files/broken.3ds: warning: object 'Truss': "));
+  CHECK(contains(checked.out, "broken.3ds: neither 3DS nor glTF [object-unreadable]"));
+  CHECK(contains(checked.out, "cut.glb: not glTF 2.0"));
+  CHECK(contains(checked.out, "files/sign.3ds: warning: texture 'sign.png': not beside the mesh"));
+  CHECK(contains(checked.out, "meshes.toml: warnings"));
+
+  const std::string wall = folder.write("wall.toml", kVideoWall);
+  const std::string clip = folder.write("clip.mp4", "no video");
+  const Outcome broken = footlight({"rig", "check", wall});
+  CHECK(contains(broken.out, clip + ": error: display 'Wall': "));
+  CHECK(contains(broken.out, "[video]"));
+  CHECK(contains(broken.out, "wall.toml: warnings"));
+}
+
+TEST_CASE("a video that is a folder, a pipe, a link to itself or not there is named as that") {
+  namespace fs = std::filesystem;
+  TempFolder folder;
+  const std::string wall = folder.write("wall.toml", kVideoWall);
+  const std::string clip = folder.file("clip.mp4");
+  const auto said = [&](const std::string& what) {
+    return contains(footlight({"rig", "check", wall}).out, "video: " + clip + ": " + what);
+  };
+  CHECK(said("there is no such file; correct the name"));
+  fs::create_directory(clip);
+  CHECK(said("a folder; expected a file with a video"));
+  CHECK(contains(footlight({"clip", clip}).err, clip + ": a folder; expected a file with a video"));
+  fs::remove(clip);
+  REQUIRE(::mkfifo(clip.c_str(), 0600) == 0);
+  CHECK(said("a pipe or a device; expected a file with a video"));
+  fs::remove(clip);
+  fs::create_symlink("clip.mp4", clip);
+  CHECK(said("cannot be looked up: "));
+}
+
+TEST_CASE("rig check warns of a projector whose dimmer is one of its own pixels") {
+  TempFolder folder;
+  const auto checked = [&](int address) {
+    return footlight(
+               {"rig", "check",
+                folder.write("p.toml",
+                             "[rig]\nname = \"p\"\n[[projector]]\nname = \"Beamer\"\nposition = [0, -6, 4]\n"
+                             "aim = [0, 4, 2]\nuniverse = 5\naddress = " +
+                                 std::to_string(address) + "\ncontent = { universe = 5, columns = 16, rows = 9 }\n")})
+        .out;
+  };
+  const std::string inside = checked(432);
+  CHECK(contains(inside, "Beamer and the pixels of Beamer share universe 5, address 432"));
+  CHECK(contains(inside, "[pixel-overlap]"));
+  CHECK_FALSE(contains(checked(433), "pixel-overlap"));
 }
 
 TEST_CASE("a file that is not a rig is reported as the format of its name and its first bytes") {

@@ -219,6 +219,24 @@ TEST_CASE("a scene file is begun with its folder, and a link to it stays a link"
   CHECK(load_scenes(path)->scenes.size() == 2);
 }
 
+TEST_CASE("a scene file behind a link is written where the link leads, and a link to itself is refused") {
+  namespace fs = std::filesystem;
+  const TempFolder folder;
+  const std::string link = folder.file("link.toml");
+  fs::create_symlink("second.toml", link);
+  fs::create_symlink(folder.file("new/scenes.toml"), folder.file("second.toml"));
+  REQUIRE(store_scene(link, "a", {"1.1=1"}).has_value());
+  CHECK(fs::is_symlink(link));
+  CHECK(fs::is_symlink(folder.file("second.toml")));
+  CHECK(load_scenes(folder.file("new/scenes.toml"))->scenes.size() == 1);
+  const std::string round = folder.file("round.toml");
+  fs::create_symlink("round.toml", round);
+  const Status refused = store_scene(round, "a", {"1.1=1"});
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(contains(refused.error().message, round + ": a link that leads to itself"));
+  CHECK(fs::is_symlink(round));
+}
+
 TEST_CASE("a scene file may be named without a folder") {
   const TempFolder folder;
   const auto before = std::filesystem::current_path();

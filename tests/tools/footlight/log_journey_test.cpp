@@ -1,5 +1,6 @@
 // Logs through the commands: recorded, shown, converted, replayed. Every level must stay the same.
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -313,6 +314,8 @@ TEST_CASE("a bridge whose recording failed exits with 1 and names the log") {
   REQUIRE(::setrlimit(RLIMIT_FSIZE, &tight) == 0);
   const Outcome replay = footlight({"replay", played, "--out", "log:" + full});
   const Outcome run = footlight({"run", "--in", "log:" + played, "--out", "log:" + full + "2", "--for", "1s"});
+  const std::string pictures = "vrsl:1-7@" + folder.file("p_%05d.png");
+  const Outcome drawn = footlight({"replay", played, "--out", pictures});
   REQUIRE(::setrlimit(RLIMIT_FSIZE, &before) == 0);
   std::signal(SIGXFSZ, previous);
   for (const Outcome& outcome : {replay, run}) {
@@ -320,7 +323,38 @@ TEST_CASE("a bridge whose recording failed exits with 1 and names the log") {
     CHECK(outcome.exit_code == 1);
     CHECK(contains(outcome.err, "log:" + full));
     CHECK(contains(outcome.err, "the recording is incomplete"));
+    CHECK(contains(outcome.err, "cannot write any more; what is in it so far can be read"));
   }
+  CAPTURE(drawn.err);
+  CHECK(drawn.exit_code == 1);
+  CHECK(contains(drawn.err, pictures + ": the recording is incomplete"));
+}
+
+TEST_CASE("a recording ends when its disk is full, keeps what was written, and does not go on when space comes back") {
+  const TempFolder folder;
+  const std::string path = folder.file("full.dmxlog");
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
+  const auto previous = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit tight{20'000, before.rlim_max};
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &tight) == 0);
+  const auto start = std::chrono::steady_clock::now();
+  const Outcome outcome = footlight({"record", "--in", "mock:sine=1-4", "-o", path, "--for", "60s"});
+  const auto took = std::chrono::steady_clock::now() - start;
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &before) == 0);
+  std::signal(SIGXFSZ, previous);
+  INFO(outcome.err);
+  CHECK(outcome.exit_code == 1);
+  CHECK(took < std::chrono::seconds(40));
+  CHECK(contains(outcome.err, path + ": the recording ended early, after "));
+  CHECK(contains(outcome.err, path + ".part: cannot write any more; what is in it so far can be read"));
+  CHECK_FALSE(std::filesystem::exists(path));
+  auto reader = LogReader::open(path + ".part");
+  REQUIRE(reader.has_value());
+  LogFrame frame;
+  const auto first = reader->next(frame);
+  CHECK((first.has_value() && *first));
+  CHECK(reader->info().damage_count == 0);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <imgui/imgui.h>
@@ -14,6 +15,7 @@
 
 #include "render/display.h"
 #include "tests/tools/footlight/edit_ui.h"
+#include "tools/footlight/preview/key_presses.h"
 #include "tools/footlight/preview/preview_panel.h"
 #include "tools/footlight/preview/ui/actions.h"
 #include "tools/footlight/preview/ui/menu.h"
@@ -418,6 +420,45 @@ TEST_CASE("the File menu lists stations with their files, and asks for the one t
   CHECK(exchange.receive->address == "10.0.0.7:42424");
   CHECK((exchange.receive->uuid == "a" || exchange.receive->uuid == "b"));
   CHECK(!exchange.receive->name.empty());
+}
+
+TEST_CASE("Ctrl+A and Del between two pictures empty a field of text") {
+  constexpr int kA = 65, kDelete = 261, kEnd = 269, kPress = 1, kRelease = 0, kControl = 2;  // of GLFW
+  ImGuiContext* const context = ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  io.DisplaySize = {400, 300};
+  io.KeyMap[ImGuiKey_A] = kA;
+  io.KeyMap[ImGuiKey_Delete] = kDelete;
+  io.KeyMap[ImGuiKey_End] = kEnd;
+  unsigned char* pixels = nullptr;
+  int width = 0, height = 0;
+  io.Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+  KeyTaps taps;
+  std::array<char, 32> text{"Mover 3"};
+  bool focus = true;
+  const auto picture = [&] {
+    const auto command = taps.hold(io.KeysDown);
+    io.KeyCtrl = command && (*command & kControl) != 0;
+    ImGui::NewFrame();
+    if (std::exchange(focus, false)) ImGui::SetKeyboardFocusHere();
+    ImGui::InputText("name", text.data(), text.size());
+    ImGui::Render();
+  };
+  const auto tap = [&](int code, int mods) {
+    for (const int action : {kPress, kRelease}) {
+      taps.take_key(code, action, mods);
+      io.KeysDown[code] = action == kPress;
+    }
+  };
+  for (int i = 0; i < 3; ++i) picture();
+  tap(kEnd, 0);  // the focus has selected all
+  for (int i = 0; i < 3; ++i) picture();
+  tap(kA, kControl);
+  tap(kDelete, 0);
+  for (int i = 0; i < 4; ++i) picture();
+  CHECK(std::string(text.data()).empty());
+  ImGui::DestroyContext(context);
 }
 
 TEST_CASE("Ctrl+P is the key of the palette") {

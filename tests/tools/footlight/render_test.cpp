@@ -382,6 +382,62 @@ TEST_CASE("report refuses a rig without levels, and measures it with --lit") {
   }
 }
 
+TEST_CASE("report measures a rig that has only lasers, and lasers beside beams") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  for (const bool par : {false, true}) {
+    CAPTURE(par);
+    std::ofstream(folder.file("rig.toml"))
+        << (par ? kOnePar : "[rig]\nname = \"Lasers\"\n") << kFrontCamera
+        << "[[fixture]]\nname = \"Laser\"\ntype = \"generic/laser\"\nuniverse = 1\naddress = 1\n"
+           "position = [0, 4, 3]\naim = [0, -2, 2]\n";
+    const std::vector<std::string> words = {"report",
+                                            folder.file("rig.toml"),
+                                            "--pictures",
+                                            "--quick",
+                                            "--runs",
+                                            "3",
+                                            "--size",
+                                            "64x36",
+                                            "--judge-pixels",
+                                            "100",
+                                            "--json",
+                                            "--csv",
+                                            folder.file("rows.csv")};
+    std::vector<std::string> dark = words;
+    dark.insert(dark.end(), {"--set", "Dimmer=0"});
+    const Outcome black = Footlight(dark, kNoLeaks).wait();
+    CHECK(black.exit_code == 2);
+    CHECK(contains(black.err, "no beam is lit"));
+    std::vector<std::string> lit = words;
+    lit.emplace_back("--lit");
+    const Outcome outcome = Footlight(lit, kNoLeaks).wait();
+    INFO(outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    std::istringstream lines(outcome.out);
+    int rows = 0;
+    nlohmann::json lasers;
+    for (std::string line; std::getline(lines, line);) {
+      const auto row = nlohmann::json::parse(line);
+      if (!row.contains("method")) continue;
+      ++rows;
+      if (row["method"] == "lasers") lasers = row;
+    }
+    CHECK((par ? rows > 1 : rows == 1));
+    REQUIRE(lasers.is_object());
+    CHECK(lasers["rel_l2"].get<double>() > 1e-6);
+    CHECK(lasers["rel_l2"].get<double>() < 1e-2);
+    CHECK(lasers["flip"].is_null());
+    CHECK(contains(outcome.out, "\"event\":\"lasers\",\"lit\":1,"));
+    CHECK(contains(outcome.out, "\"whole-frame\""));
+    std::ifstream csv(folder.file("rows.csv"));
+    const std::string text{std::istreambuf_iterator<char>(csv), {}};
+    CHECK(contains(text, ",lasers,"));
+    CHECK(!contains(text, "nan"));
+  }
+}
+
 TEST_CASE("report measures a rig with a floor that mirrors, in the picture and outside of it") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

@@ -209,11 +209,11 @@ TEST_CASE("a key that is pressed and released between two pictures is down in on
   KeyTaps taps;
   std::array<bool, KeyTaps::kKeys> down{};
   const auto key = [&](int action) {
-    taps.take_key(GLFW_KEY_ENTER, action);
+    taps.take_key(GLFW_KEY_ENTER, action, 0);
     down[GLFW_KEY_ENTER] = action != GLFW_RELEASE;  // as Dear ImGui's own callback has it
   };
   const auto seen = [&] {
-    taps.hold(down);
+    (void)taps.hold(down);
     return down[GLFW_KEY_ENTER];
   };
   CHECK(!seen());
@@ -235,9 +235,42 @@ TEST_CASE("a key that is pressed and released between two pictures is down in on
   CHECK(!seen());  // so that the second press is one of its own
   CHECK(seen());
   CHECK(!seen());
-  taps.take_key(GLFW_KEY_UNKNOWN, GLFW_PRESS);
-  taps.take_key(100'000, GLFW_PRESS);
-  taps.hold(down);
+  taps.take_key(GLFW_KEY_UNKNOWN, GLFW_PRESS, 0);
+  taps.take_key(100'000, GLFW_PRESS, 0);
+  CHECK(!taps.hold(down));
+}
+
+TEST_CASE("commands of a field that come between two pictures are seen one after the other, with their Ctrl") {
+  KeyTaps taps;
+  std::array<bool, KeyTaps::kKeys> down{};
+  const auto key = [&](int code, int action, int mods = 0) {
+    taps.take_key(code, action, mods);
+    down[static_cast<std::size_t>(code)] = action != GLFW_RELEASE;
+  };
+  const auto tap = [&](int code, int mods = 0) {
+    key(code, GLFW_PRESS, mods);
+    key(code, GLFW_RELEASE, mods);
+  };
+  key(GLFW_KEY_LEFT_CONTROL, GLFW_PRESS);
+  tap(GLFW_KEY_A, GLFW_MOD_CONTROL);
+  key(GLFW_KEY_LEFT_CONTROL, GLFW_RELEASE, GLFW_MOD_CONTROL);
+  key(GLFW_KEY_DELETE, GLFW_PRESS);  // and held
+  tap(GLFW_KEY_X);                   // its character is in the field already
+  tap(GLFW_KEY_HOME, GLFW_MOD_SHIFT);
+  CHECK(taps.hold(down) == GLFW_MOD_CONTROL);
+  CHECK(down[GLFW_KEY_A]);
+  CHECK(!down[GLFW_KEY_DELETE]);
+  CHECK(!down[GLFW_KEY_HOME]);
+  CHECK(taps.hold(down) == 0);
+  CHECK(!down[GLFW_KEY_A]);
+  CHECK(down[GLFW_KEY_DELETE]);
+  CHECK(!down[GLFW_KEY_HOME]);
+  CHECK(taps.hold(down) == GLFW_MOD_SHIFT);
+  CHECK(down[GLFW_KEY_DELETE]);
+  CHECK(down[GLFW_KEY_HOME]);
+  CHECK(!taps.hold(down));
+  CHECK(down[GLFW_KEY_DELETE]);
+  CHECK(!down[GLFW_KEY_HOME]);
 }
 
 TEST_CASE("the key of the dead man's switch is held from its press to its release") {

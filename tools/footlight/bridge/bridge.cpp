@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
+#include <filesystem>
 #include <mutex>
 #include <thread>
 
@@ -352,11 +353,20 @@ Result<Servers> serve(const Bridge& bridge, const StatusPages& pages) {
   return servers;
 }
 
+// Whether a sink writes a log, pictures or a video, which somebody wants to read afterwards.
+bool is_written(std::string_view sink) {
+  if (sink.starts_with("log:")) return true;
+  const std::size_t at = sink.find('@');
+  if (!sink.starts_with("vrsl:") || at == std::string_view::npos) return false;
+  const std::string_view target = sink.substr(at + 1);
+  return !target.starts_with("/dev/") && std::filesystem::path(target.substr(0, target.find('?'))).has_extension();
+}
+
 }  // namespace
 
 Status check_recordings(const BridgeReport& report) {
   for (const PortStatus& port : report.status.ports) {
-    if (!port.is_sink || !port.name.starts_with("log:") || port.state != PortState::kGone) continue;
+    if (!port.is_sink || !is_written(port.name) || port.state != PortState::kGone) continue;
     return fail(ErrorCode::kIo, "{}: the recording is incomplete: {}", port.name, port.trouble);
   }
   return {};
@@ -380,8 +390,16 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   PumpOptions options;
   options.merge = bridge.merge;
   options.stop_at_end = bridge.stop_at_end;
-  options.on_notice = [&reporter](const Notice& notice) { reporter.report(notice); };
+  Pump* running = nullptr;
+  options.on_notice = [&](const Notice& notice) {
+    reporter.report(notice);
+    const bool ends = bridge.stop_at_lost_sink && notice.id == "port-lost" &&
+                      std::any_of(bridge.sinks.begin(), bridge.sinks.end(),
+                                  [&](const auto& sink) { return sink->name() == notice.port; });
+    if (ends && running != nullptr) running->request_stop();
+  };
   Pump pump(universes, clock, *waiter, options);
+  running = &pump;
   for (const auto& source : bridge.sources) pump.add_source(*source);
   for (const auto& sink : bridge.sinks) pump.add_sink(*sink);
   if (bridge.tap != nullptr) pump.add_tap(*bridge.tap);

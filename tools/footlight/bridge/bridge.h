@@ -40,6 +40,7 @@ struct Bridge {
   MergeOptions merge;
   FrameReceiver* tap = nullptr;
   bool stop_at_end = false;
+  bool stop_at_lost_sink = false;  // ends when one of `sinks` is lost
   DurationNs run_for_ns = kTimeNever;
   bool json = false;
   std::optional<EventFormat> event_format;       // default: text; with json none (events are on stdout)
@@ -60,7 +61,7 @@ struct BridgeReport {
 // `signal` must be created before the ports are opened, so that a Ctrl-C in between is not lost. Prints the summary.
 [[nodiscard]] Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal);
 
-// kIo, with the reason, if a log that the bridge recorded is incomplete.
+// kIo, with the reason, if a log, or pictures in files, that the bridge wrote are incomplete.
 Status check_recordings(const BridgeReport& report);
 
 // Sorts and removes duplicates.

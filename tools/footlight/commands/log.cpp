@@ -86,6 +86,10 @@ void print(const LogInfo& info) {
   for (const LogDamage& part : info.damage) {
     fmt::print("  damage at byte {}, {} bytes: {}\n", part.offset, part.size_bytes, part.what);
   }
+  if (info.damage_count > info.damage.size()) {
+    fmt::print("  damage in {} more places{}: {} bytes in all\n", info.damage_count - info.damage.size(),
+               info.damage_count == kLogDamageCountedMax ? " or more" : "", info.damage_bytes);
+  }
 }
 
 Result<int> print_info(const InfoOptions& options) {

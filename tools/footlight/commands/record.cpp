@@ -67,6 +67,7 @@ Result<int> record(const Options& options) {
   bridge.json = options.json;
   bridge.run_for_ns = options.run_for_ns;
   bridge.stop_at_end = true;  // if every input is a log
+  bridge.stop_at_lost_sink = true;  // a log that cannot be written never comes back
   InOptions in_options;
   in_options.wait_for_device = options.wait_for_device;
   in_options.yields = true;  // a bridge keeps its unicast frames
@@ -93,7 +94,10 @@ Result<int> record(const Options& options) {
   bridge.sinks.push_back(std::move(recorder));
 
   FL_ASSIGN(const BridgeReport report, run_bridge(bridge, clock, signal));
-  if (!kept.trouble().empty()) return fail(ErrorCode::kIo, "{}", kept.trouble());
+  if (!kept.trouble().empty()) {
+    return fail(ErrorCode::kIo, "{}: the recording ended early, after {}: {}", options.out,
+                show_duration(report.elapsed_ns), kept.trouble());
+  }
   const LogWriterStats stats = kept.stats();
   const std::uint64_t lost = kept.counters().dropped;
   if (!options.json && (stats.frames != 0 || lost != 0 || stats.not_levels != 0)) {
@@ -135,7 +139,7 @@ extern const CommandInfo record_command{
         "'footlight run ... --out log:FILE'.\n"
         "Ctrl-C ends the recording. A killed recorder leaves FILE.part, which every command reads, and loses less than "
         "a\n"
-        "second.",
+        "second. If the disk is full the recording ends, with FILE.part up to there and exit code 1.",
     .add = add,
 };
 

@@ -6,10 +6,13 @@
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <set>
 
 #include <fmt/chrono.h>
 #include <nlohmann/json.hpp>
 
+#include "fixtures/bodies/check_meshes.h"
+#include "fixtures/edit/patch_slots.h"
 #include "fixtures/files/export/mvr.h"
 #include "fixtures/files/export/rig_toml.h"
 #include "fixtures/files/export/vrsl_patch_json.h"
@@ -24,6 +27,7 @@
 #include "sim/file_kind.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/commands/rig_command.h"
+#include "tools/footlight/displays/clip.h"
 #include "tools/footlight/monitor/terminal.h"
 #include "tools/footlight/progress.h"
 #include "tools/footlight/status/json_lines.h"
@@ -37,6 +41,7 @@ using fixtures::Diagnostic;
 using fixtures::Diagnostics;
 using fixtures::ImportedRig;
 using fixtures::ImportStatus;
+using fixtures::Severity;
 
 struct Options {
   std::vector<std::string> paths;
@@ -53,17 +58,51 @@ struct Opened {
   std::vector<Diagnostic> diagnostics;
 };
 
-// `images`: also reads and draws gobos.
-Opened open(const std::string& path, const std::vector<std::string>& folders, bool images) {
+// Adds one diagnostic for each video of displays and projectors that cannot be shown.
+void check_videos(const fixtures::Rig& rig, Diagnostics& diagnostics, const fixtures::GoOn& go_on) {
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < fixtures::shown_count(rig); ++i) {
+    const fixtures::Display& display = fixtures::shown_at(rig, i);
+    if (!fixtures::shows_film(display) || !seen.insert(display.video->path).second) continue;
+    if (go_on && !go_on(seen.size(), 0)) return;
+    const auto clip = Clip::open(display.video->path);
+    if (clip) continue;
+    std::string what = clip.error().message;
+    const std::string name = display.video->path + ": ";
+    if (what.starts_with(name)) what.erase(0, name.size());
+    diagnostics.add({Severity::kError,
+                     "video",
+                     {display.video->path},
+                     fmt::format("{} '{}': {}", display.type >= 0 ? "projector" : "display", display.name, what),
+                     "no picture of the rig can be drawn"});
+  }
+}
+
+// One fader must not be a pixel by mistake: a projector's dimmer would flicker with its own picture.
+void check_pixels(const fixtures::Rig& rig, const std::string& path, Diagnostics& diagnostics) {
+  for (const fixtures::PixelConflict& conflict : fixtures::pixel_conflicts(rig)) {
+    diagnostics.add({Severity::kWarning,
+                     "pixel-overlap",
+                     {path},
+                     text_of(conflict, rig) + "; move one of them, or set shares_address of the fixture",
+                     "both use these slots"});
+  }
+}
+
+// `files`: also reads and draws gobos, and reads the meshes, their images and the videos that the rig names.
+Opened open(const std::string& path, const std::vector<std::string>& folders, bool files) {
   Diagnostics diagnostics;
   std::optional<fixtures::Library> library;
   if (!folders.empty()) library = fixtures::Library::open(folders);
   catch_end_signals();
   Progress progress("fixtures and definitions read");
   auto rig = fixtures::import_rig(path, library ? &*library : nullptr, diagnostics, progress.go_on());
-  if (rig && images) {
+  if (rig && files) {
     fixtures::ImageBudget budget;
     for (const fixtures::FixtureType& type : rig->rig.types) fixtures::check_images(type, diagnostics, budget);
+    fixtures::check_meshes(rig->rig, diagnostics, progress.go_on());
+    check_videos(rig->rig, diagnostics, progress.go_on());
+    check_pixels(rig->rig, path, diagnostics);
   }
   diagnostics.finish();
   if (rig) rig->diagnostics = diagnostics.all();

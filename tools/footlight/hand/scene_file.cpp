@@ -110,8 +110,10 @@ class FolderLock {
 };
 
 Status change(const std::string& path, const std::function<Result<std::string>(const SceneFile&)>& edit, bool create) {
+  FL_ASSIGN(const std::string file_path, fixtures::behind_links(path));  // a link stays a link
   std::error_code trouble;
-  const fs::path target = fs::weakly_canonical(fs::absolute(path), trouble);  // a link stays a link
+  const fs::path target = fs::weakly_canonical(fs::absolute(file_path), trouble);
+  if (trouble) return fail(ErrorCode::kIo, "{}: {}", path, trouble.message());
   const fs::path folder = target.parent_path();
   if (create) fs::create_directories(folder, trouble);
   if (trouble) return fail(ErrorCode::kIo, "{}: {}", folder.string(), trouble.message());

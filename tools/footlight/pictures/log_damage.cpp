@@ -9,11 +9,11 @@ namespace footlight::tools {
 
 std::string damage_text(const std::string& path, const LogReader::DamageMet& met) {
   if (met.count == 0) return "";
-  std::uint64_t bytes = 0;
-  for (const LogDamage& one : met.first) bytes += one.size_bytes;
-  return fmt::format("{}: damaged at byte {}: {} of {} bytes left out, where levels stay as they were; 'footlight log "
-                     "info {}' lists them",
-                     path, met.first.front().offset, counted(met.count, "part"), bytes, path);
+  const char* const more = met.count == kLogDamageCountedMax ? " or more" : "";
+  return fmt::format(
+      "{}: damaged at byte {}: {}{} of {} bytes left out, where levels stay as they were; 'footlight log "
+      "info {}' lists them",
+      path, met.first.front().offset, counted(met.count, "part"), more, met.bytes, path);
 }
 
 std::string DamageWatch::take_news() {

@@ -19,6 +19,14 @@ int meant(int key, const char* name) {
   return key >= GLFW_KEY_A && key <= GLFW_KEY_Z ? GLFW_KEY_UNKNOWN : key;
 }
 
+// Whether a field of text does something by the key, other than that it types a character.
+bool is_command(int key, int mods) {
+  const bool modifier = key >= GLFW_KEY_LEFT_SHIFT && key <= GLFW_KEY_RIGHT_SUPER;
+  const bool keypad = key >= GLFW_KEY_KP_0 && key < GLFW_KEY_KP_ENTER;
+  return !modifier &&
+         ((key >= GLFW_KEY_ESCAPE && !keypad) || (mods & (GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER)) != 0);
+}
+
 }  // namespace
 
 void KeyPresses::take_key(int key, const char* name, int action, int mods) {
@@ -51,28 +59,33 @@ void HeldKey::take_focus(bool focused) {
   let_go();
 }
 
-void KeyTaps::take_key(int key, int action) {
+void KeyTaps::take_key(int key, int action, int mods) {
   if (key < 0 || static_cast<std::size_t>(key) >= kKeys || action == GLFW_REPEAT) return;
   down_[static_cast<std::size_t>(key)] = action == GLFW_PRESS;
-  if (action == GLFW_PRESS && std::find(pressed_.begin(), pressed_.end(), key) == pressed_.end()) {
-    pressed_.push_back(key);
-  }
+  if (action == GLFW_PRESS && (pressed_.empty() || pressed_.back().key != key)) pressed_.push_back({key, mods});
 }
 
-void KeyTaps::hold(std::span<bool> down) {
+std::optional<int> KeyTaps::hold(std::span<bool> down) {
   const std::vector<int> before = std::exchange(held_, {});
   for (const int key : before) down[static_cast<std::size_t>(key)] = false;
-  std::vector<int> later;
-  for (const int key : std::exchange(pressed_, {})) {
+  std::optional<int> command;
+  std::vector<Tap> later;
+  for (const Tap& tap : std::exchange(pressed_, {})) {
+    const auto at = static_cast<std::size_t>(tap.key);
     // Between two presses a picture has to see it up.
-    if (std::find(before.begin(), before.end(), key) != before.end()) {
-      later.push_back(key);
+    const bool again = std::find(before.begin(), before.end(), tap.key) != before.end();
+    const bool commands = is_command(tap.key, tap.mods);
+    if (again || (commands && (command || !later.empty()))) {
+      later.push_back(tap);
+      down[at] = false;
       continue;
     }
-    if (!down_[static_cast<std::size_t>(key)]) held_.push_back(key);
-    down[static_cast<std::size_t>(key)] = true;
+    if (!down_[at]) held_.push_back(tap.key);
+    down[at] = true;
+    if (commands) command = tap.mods;
   }
   pressed_ = std::move(later);
+  return command;
 }
 
 }  // namespace footlight::tools

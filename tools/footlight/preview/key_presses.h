@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -66,19 +67,28 @@ class HeldKey {
 };
 
 // Keys for fields of text, which look at each picture whether a key is down: one that was pressed and released between
-// two pictures is down in the next one. Presses of one key in that time count once, and in two pictures twice.
+// two pictures is down in the next one. Presses of one key in a row count once in that time, and in two pictures twice.
+//
+// A field does one thing a picture. So of keys that are commands of a field (with Ctrl, Alt or Super, or keys that type
+// nothing, as Del) one goes down in each picture, and those behind it wait: Ctrl+A and Del in one slow picture would
+// delete a letter, with the rest still there.
 class KeyTaps {
  public:
   static constexpr std::size_t kKeys = 512;  // of Dear ImGui; more than GLFW_KEY_LAST
 
   // As GLFW's callback gives them.
-  void take_key(int key, int action);
-  // Once a picture. down: which keys are down, kKeys of them, by GLFW's numbers.
-  void hold(std::span<bool> down);
+  void take_key(int key, int action, int mods);
+  // Once a picture. down: which keys are down, kKeys of them, by GLFW's numbers. Returns GLFW_MOD_... of the command
+  // that goes down, whose Ctrl or Shift may be up by then; nothing: there is none.
+  std::optional<int> hold(std::span<bool> down);
 
  private:
+  struct Tap {
+    int key = 0;
+    int mods = 0;
+  };
   std::array<bool, kKeys> down_{};  // as the keyboard has them
-  std::vector<int> pressed_;        // and not yet in a picture
+  std::vector<Tap> pressed_;        // and not yet in a picture
   std::vector<int> held_;           // down in the last picture though they were released before it
 };
 

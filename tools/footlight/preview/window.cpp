@@ -408,7 +408,7 @@ void Window::on_key(GLFWwindow* window, int key, int scancode, int action, int m
   auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
   const char* name = key != GLFW_KEY_UNKNOWN ? glfwGetKeyName(key, scancode) : nullptr;
   self->keys_.take_key(key, name, action, mods);
-  self->taps_.take_key(key, action);
+  self->taps_.take_key(key, action, mods);
   self->live_key_.take_key(key, action, scancode);
 }
 
@@ -546,9 +546,13 @@ void Window::begin_ui() {
   const auto held = [&](int left, int right) {
     return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS;
   };
-  taps_.hold(io.KeysDown);
+  const std::optional<int> command = taps_.hold(io.KeysDown);
   io.KeyCtrl = held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
   io.KeyShift = held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+  if (command) {
+    io.KeyCtrl = (*command & GLFW_MOD_CONTROL) != 0;
+    io.KeyShift = (*command & GLFW_MOD_SHIFT) != 0;
+  }
   if (const auto moment = mouse_.next()) {
     io.MousePos = {moment->x, moment->y};
     std::copy(moment->down.begin(), moment->down.end(), io.MouseDown);

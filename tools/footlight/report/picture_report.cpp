@@ -12,6 +12,7 @@
 #include "render/reference/pixel_sample.h"
 #include "render/rivals/rivals.h"
 #include "tools/footlight/report/judged_scene.h"
+#include "tools/footlight/report/laser_report.h"
 
 namespace footlight::tools {
 
@@ -128,6 +129,11 @@ Result<Judged> judge_scene_of(vk::Device& device, const Scene& scene, const View
   return judged;
 }
 
+// Of a row that is not judged: 0 would say that it is exact.
+void leave_errors_out(PictureRow& row) {
+  row.rel_l2 = row.rel_l2_low = row.rel_l2_high = row.rel_mse = row.p999 = row.max = row.flip = std::nan("");
+}
+
 void fill_norms(const Judged& judged, const std::vector<float>& values, PictureRow& row) {
   const SampledNorms sampled = sampled_norms(judged.sample, values, judged.pixels.rgb);
   row.rel_l2 = sampled.norms.rel_l2;
@@ -143,7 +149,6 @@ Status judge_row(Frame& frame, const Judged& judged, PictureRow& row) {
   fill_norms(judged, at_sample<float>(judged.sample, picture.rgb, 3), row);
   // Counts over all pixels, because this needs no judge.
   row.nonfinite = std::count_if(picture.rgb.begin(), picture.rgb.end(), [](float v) { return !std::isfinite(v); });
-  row.flip = std::nan("");
   if (!judged.sample.whole) return {};
   FL_ASSIGN(const ScreenImage screen, frame.read_screen());
   row.flip = flip(screen, judged.screen).mean;
@@ -301,11 +306,15 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
                                      &first));
   if (report.ended) return {};
   FL_ASSIGN(const CountsRow counts, frame->read_counts());
+  FL_ASSIGN(report.lasers.lit, lit_lasers(scene));
   if (counts.live_count == 0 && !scene.compiled.needs.panes && !scene.compiled.needs.displays) {
-    return fail(ErrorCode::kBadInput,
-                "{}: no beam is lit, so no error can be measured; use --log with an --at at which a beam is lit, --lit "
-                "or --set",
-                scene.name);
+    if (report.lasers.lit == 0) {
+      return fail(ErrorCode::kBadInput,
+                  "{}: no beam is lit, so no error can be measured; use --log with an --at at which a beam is lit, "
+                  "--lit or --set",
+                  scene.name);
+    }
+    report.only_lasers = true;
   }
   report.live_beams = counts.live_count;
   report.shadows = counts.shadows;
@@ -420,6 +429,51 @@ Status report_mirrored(vk::Device& device, const Scene& scene, const View& view,
   return {};
 }
 
+// The row of lasers: times of the frame with them, and the error of their light alone.
+Status report_lasers(vk::Device& device, const Scene& scene, const View& view, const PictureReportOptions& options,
+                     PictureReport& report) {
+  if (report.lasers.lit == 0 || report.ended) return {};
+  const auto go_on = [&](double share) {
+    report.ended = report.ended || (options.go_on && !options.go_on("lasers", share, 1));
+    return !report.ended;
+  };
+  FrameSettings settings = judged_settings(options);
+  settings.widen_thin = true;  // else no laser is drawn
+  PictureRow row;
+  row.scene = scene.name;
+  row.method = "lasers";
+  row.knob = settings.tile_error;
+  leave_errors_out(row);
+  {
+    FL_ASSIGN(const auto frame, make_frame(device, scene, settings));
+    std::vector<PassTimes> pass_ms;
+    FL_ASSIGN(const auto times_ms, time_frames(*frame, view, scene, options.runs, options.row_seconds, &pass_ms,
+                                               [&](double share) { return go_on(share / 4); }));
+    if (report.ended) return {};
+    row.ms_p10 = percentile(times_ms, 0.1);
+    row.ms_p50 = percentile(times_ms, 0.5);
+    row.ms_p90 = percentile(times_ms, 0.9);
+    row.bytes = static_cast<std::int64_t>(frame->bytes());
+    for (const PassTimes& pass : pass_ms) {
+      if (pass.name == "lasers") row.own_ms = percentile(pass.ms, 0.5);
+    }
+  }
+  if (options.judge) {
+    FL_ASSIGN(const auto error,
+              measure_lasers(device, scene, view, settings, [&](double share) { return go_on(0.25 + share * 3 / 4); }));
+    if (!error) return {};
+    report.lasers = *error;
+    row.rel_l2 = row.rel_l2_low = row.rel_l2_high = error->norms.rel_l2;
+    row.rel_mse = error->norms.rel_mse;
+    row.p999 = error->norms.p999;
+    row.max = error->norms.max;
+    row.nonfinite = error->norms.nonfinite;
+  }
+  report.rows.push_back(row);
+  if (options.on_row) options.on_row(report);
+  return {};
+}
+
 }  // namespace
 
 Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene, const PictureReportOptions& options) {
@@ -435,6 +489,8 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     if (report.ended) return report;
     FL_TRY(report_mirrored(device, scene, view, options, report));
     if (report.ended) return report;
+  }
+  if (options.judge && !report.only_lasers) {
     const auto start = std::chrono::steady_clock::now();
     FL_ASSIGN(judged, judge_scene_of(device, scene, view, options));
     report.ended = !judged.pixels.whole;
@@ -447,7 +503,8 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
   if (options.on_judged) options.on_judged(report);
   const FrameSettings defaults;
   std::vector<float> without_air, without_surfaces;  // of rivals without a unit; empty: not drawn yet
-  const std::vector<Knob> all_knobs = knobs_of(options, scene.compiled.needs);
+  const std::vector<Knob> all_knobs =
+      report.only_lasers ? std::vector<Knob>() : knobs_of(options, scene.compiled.needs);
   const auto fitted = std::count_if(all_knobs.begin(), all_knobs.end(), [&](const Knob& knob) {
     return options.judge && knob.rival != nullptr && !knob.rival->has_unit;
   });
@@ -467,6 +524,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     row.method = knob.method;
     row.knob = knob.value;
     row.hits_per_px = judged.hits_per_px;
+    leave_errors_out(row);
     FL_ASSIGN(auto frame, make_frame(device, scene, settings, knob.passes));
     std::vector<PassTimes> pass_ms;
     const auto go_on = [&](double share) { return !ends_at(share); };
@@ -501,6 +559,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     return {};
   };
   for (const Knob& knob : all_knobs) FL_TRY(run(knob));
+  FL_TRY(report_lasers(device, scene, view, options, report));
   report.validation_messages = device.validation_messages();
   return report;
 }

@@ -13,6 +13,7 @@
 #include "render/reference/judge.h"
 #include "render/reference/report.h"
 #include "tools/footlight/pictures/shown_view.h"
+#include "tools/footlight/report/laser_report.h"
 #include "tools/footlight/report/mirror_report.h"
 #include "tools/footlight/report/report_scenes.h"
 
@@ -84,6 +85,8 @@ struct PictureReport {
   std::uint32_t shadows_lost = 0;              // of them, for want of room
   render::DisplayWork displays;                // of the whole frame
   std::optional<MirrorRow> mirrored;           // empty: not judged, or nothing in the picture mirrors
+  LaserError lasers;                           // of the row of lasers; without a judge only how many are lit
+  bool only_lasers = false;                    // nothing else is lit: there are no rows of beams
   double gobo_build_ms = 0;                    // GPU time of the pass of gobos in its first frame
   ClassShares classes;                         // how its beams are computed
   std::string device;
@@ -97,8 +100,8 @@ struct PictureReport {
 [[nodiscard]] double percentile(std::vector<double> values, double share);
 
 // Times and compares the same frames. They have no bodies, no lenses and no widening of thin beams, because the judge
-// computes none of these. kBadInput if no beam of the scene is lit, because the error of a black picture has no
-// meaning.
+// computes none of these. Lit lasers have a row of their own, the last one. kBadInput if neither a beam nor a laser of
+// the scene is lit, because the error of a black picture has no meaning.
 [[nodiscard]] Result<PictureReport> make_picture_report(render::vk::Device& device, const Scene& scene,
                                                         const PictureReportOptions& options);
 

@@ -1,30 +1,14 @@
 // Files that a report writes.
-#include <filesystem>
-#include <fstream>
-#include <system_error>
-
-#include "sim/file_kind.h"
+#include "fixtures/files/export/write_file.h"
 #include "tools/footlight/report/report_parts.h"
 
 namespace footlight::tools {
 
 Status unwritable(const std::string& path) {
-  return fail(ErrorCode::kIo, "{}: cannot be written; choose a folder that exists and is yours", path);
+  return fail(ErrorCode::kIo, "{}: cannot be written; check the folder and the space on its disk", path);
 }
 
-Status write_report_file(const std::string& path, const std::string& text) {
-  FL_TRY(refuse_pipe_output(path));
-  const std::string part = path + ".part";
-  std::ofstream stream(part, std::ios::binary | std::ios::trunc);
-  stream << text;
-  stream.close();
-  std::error_code trouble;
-  if (stream) std::filesystem::rename(part, path, trouble);
-  if (stream && !trouble) return {};
-  std::error_code ignored;
-  std::filesystem::remove(part, ignored);
-  return unwritable(path);
-}
+Status write_report_file(const std::string& path, const std::string& text) { return fixtures::write_file(path, text); }
 
 std::string with_report_suffix(const std::string& path, const std::string& suffix) {
   const std::size_t dot = path.rfind('.');

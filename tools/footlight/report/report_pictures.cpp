@@ -197,19 +197,22 @@ std::string intro_of(const Scene& scene, const PictureArguments& arguments, cons
   std::string text = fmt::format(
       "Pictures of {}: beams in haze and on surfaces, on {}.\nTimes: GPU, {}x{}, {} runs after 3 warm-up runs. ",
       scene.name, report.device, options.width, options.height, arguments.runs);
+  if (report.only_lasers) text += "No beam is lit but those of lasers. ";
   if (arguments.no_judge) return text + "Errors are not measured.\n\n";
+  if (report.only_lasers) return text + "\n\n";
   const std::int64_t all = std::int64_t{options.width} * options.height;
   const bool sampled = report.judged_pixels < all;
   return text + fmt::format(
                     "Errors: at {} of the {} pixels of these frames{}, against adaptive quadrature in double, whose "
                     "own error is {:.1e} ({:.1f} s).\n"
                     "{}"
-                    "The rows leave out the bodies and lenses of fixtures, and the widening of thin beams.\n\n",
+                    "The rows leave out the bodies and lenses of fixtures, and the widening of thin beams{}.\n\n",
                     report.judged_pixels, all, sampled ? ", a stratified random sample" : "", report.judge_own_rel_l2,
                     report.judge_seconds,
                     sampled ? "rel_l2 is an estimate for the whole picture, with rel_l2_low to rel_l2_high as its 95 % "
                               "confidence interval.\n"
-                            : "");
+                            : "",
+                    report.lasers.lit > 0 ? "; that of lasers has these alone" : "");
 }
 
 // How the beams of the whole frame are computed.
@@ -253,6 +256,22 @@ std::string shadows_json(const PictureReport& report) {
   return fmt::format(R"({{"event":"shadows","pairs":{},"beams":{},"missing":{}}})"
                      "\n",
                      report.shadows, report.live_beams, report.shadows_lost);
+}
+
+// The judge of lasers.
+std::string lasers_text(const PictureReport& report) {
+  const LaserError& lasers = report.lasers;
+  if (lasers.width == 0) return "";
+  return fmt::format(
+      "Lasers: {} lit. The errors of their row are those of their light in a picture of {} x {} pixels, against brute "
+      "force in double over the path of the scanner, whose own error is {:.1e}.\n\n",
+      lasers.lit, lasers.width, lasers.height, lasers.own_rel_l2);
+}
+std::string lasers_json(const PictureReport& report) {
+  const LaserError& lasers = report.lasers;
+  return fmt::format(R"({{"event":"lasers","lit":{},"judged_width":{},"judged_height":{},"own_rel_l2":{:.4g}}})"
+                     "\n",
+                     lasers.lit, lasers.width, lasers.height, lasers.own_rel_l2);
 }
 
 // Where the light of displays is computed in the whole frame.
@@ -376,14 +395,17 @@ void print_figures(const PictureArguments& arguments, const ReportOptions& optio
     const double costs[] = {1, 4, 16};
     fmt::print("{}\n", render::summary_of(render::curves_of(report.rows), "ms", costs));
   }
-  fmt::print("GPU time per pass, tiles with error {:g}:", render::FrameSettings{}.tile_error);
-  for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
-  fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included{}: {:.3f} ms:",
+  if (!report.only_lasers) {
+    fmt::print("GPU time per pass, tiles with error {:g}:", render::FrameSettings{}.tile_error);
+    for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
+    fmt::print("\n");
+  }
+  fmt::print("The whole frame as 'footlight render' draws it, bodies and lenses included{}: {:.3f} ms:",
              report.reflections ? "" : ", without light that surfaces reflect (--reflections on has it)",
              report.whole_ms);
   for (const auto& pass : report.whole_passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
-  fmt::print("\n{}\n\n{}{}{}{}", classes_text(report.classes), shadows_text(report), displays_text(report),
-             bodies_text(report, arguments.body_error_px), edges_text(report, pixels));
+  fmt::print("\n{}\n\n{}{}{}{}{}", classes_text(report.classes), lasers_text(report), shadows_text(report),
+             displays_text(report), bodies_text(report, arguments.body_error_px), edges_text(report, pixels));
   if (report.mirrored) options.print(text_of(*report.mirrored, pixels));
   if (air) {
     fmt::print(
@@ -445,7 +467,7 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
   }
   FL_ASSIGN(const PictureReport report, make_picture_report(*device, scene, picture_options));
   if (report.rows.empty()) return {};
-  if (chosen) {
+  if (chosen && !report.only_lasers) {
     const render::PictureRow& row = report.rows.front();
     if (picture_options.judge) {
       chosen->judged = row.rel_l2;
@@ -463,6 +485,7 @@ Status report_pictures(const PictureArguments& words, const ReportOptions& optio
                               "\n",
                               report.whole_ms));
     options.print(classes_json(report.classes));
+    if (report.lasers.lit > 0) options.print(lasers_json(report));
     if (report.shadows > 0) options.print(shadows_json(report));
     if (scene.compiled.needs.displays) options.print(displays_json(report));
     options.print(edges_json(report));

@@ -319,6 +319,7 @@ std::string json_of_log(const LogInfo& info, const std::vector<std::string>& not
                   {"finished", info.finished},
                   {"checked", info.checked},
                   {"damage_count", info.damage_count},
+                  {"damage_bytes", info.damage_bytes},
                   {"damage", std::move(damage)},
                   {"notes", notes},
                   {"universes", std::move(universes)}});

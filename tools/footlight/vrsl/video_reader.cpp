@@ -92,6 +92,9 @@ Status AvVideoReader::open() {
   FL_TRY(refuse_pipe_input(path_));
   std::error_code trouble;
   if (!std::filesystem::exists(path_, trouble)) return fail(ErrorCode::kNotFound, "{}: there is no such file", path_);
+  if (std::filesystem::is_directory(path_, trouble)) {
+    return fail(ErrorCode::kBadInput, "{}: a folder; expected a file with a video", path_);
+  }
   av_log_set_level(AV_LOG_QUIET);  // damaged streams are counted, not printed
   const std::string url = "file:" + path_;
   const int opened = avformat_open_input(&format_, url.c_str(), nullptr, nullptr);
