@@ -11,6 +11,25 @@ endif()
 set(FOOTLIGHT_SPIRV_PASSES --target-env=vulkan1.3 --merge-return --inline-entry-points-exhaustive
     --eliminate-dead-functions --scalar-replacement=100 --eliminate-local-single-block --eliminate-local-single-store
     --ssa-rewrite --eliminate-dead-code-aggressive --compact-ids)
+# What spirv-opt gave is kept for the other build folders of this tree, and for shaders that are restored
+# (docs/decisions/0191).
+set(FOOTLIGHT_SHADER_CACHE "" CACHE PATH "Folder for inlined shaders that several build folders share; empty: none")
+set(FOOTLIGHT_SHADERS_KEPT_MAX 2000)  # files, 110 kB in the mean
+if(FOOTLIGHT_SHADER_CACHE)
+  file(GLOB kept ${FOOTLIGHT_SHADER_CACHE}/*.spv)
+  list(LENGTH kept count)
+  if(count GREATER FOOTLIGHT_SHADERS_KEPT_MAX)
+    file(REMOVE ${kept})
+  endif()
+endif()
+set(FOOTLIGHT_SPIRV_OPT_VERSION "")
+if(SPIRV_OPT)
+  execute_process(COMMAND ${SPIRV_OPT} --version OUTPUT_VARIABLE FOOTLIGHT_SPIRV_OPT_VERSION
+                  ERROR_VARIABLE FOOTLIGHT_SPIRV_OPT_VERSION)
+  string(MAKE_C_IDENTIFIER "${FOOTLIGHT_SPIRV_OPT_VERSION}" FOOTLIGHT_SPIRV_OPT_VERSION)
+endif()
+list(JOIN FOOTLIGHT_SPIRV_PASSES " " FOOTLIGHT_SPIRV_PASSES)
+set(FOOTLIGHT_SPIRV_INLINE ${CMAKE_CURRENT_LIST_DIR}/spirv_inline.cmake)
 set(FOOTLIGHT_SPIRV_HEADER ${CMAKE_CURRENT_LIST_DIR}/spirv_header.cmake)
 
 function(footlight_shaders target)
@@ -42,9 +61,11 @@ function(footlight_shaders target)
     set(tool)
     if(SPIRV_OPT)
       set(inlined ${CMAKE_CURRENT_BINARY_DIR}/shaders/${shader}.inlined.spv)
-      set(inline COMMAND ${SPIRV_OPT} ${FOOTLIGHT_SPIRV_PASSES} ${spirv} -o ${inlined})
+      set(inline COMMAND ${CMAKE_COMMAND} -DIN=${spirv} -DOUT=${inlined} -DSPIRV_OPT=${SPIRV_OPT}
+          -DPASSES=${FOOTLIGHT_SPIRV_PASSES} -DVERSION=${FOOTLIGHT_SPIRV_OPT_VERSION}
+          -DCACHE=${FOOTLIGHT_SHADER_CACHE} -P ${FOOTLIGHT_SPIRV_INLINE})
       set(final ${inlined})
-      set(tool ${SPIRV_OPT})
+      set(tool ${SPIRV_OPT} ${FOOTLIGHT_SPIRV_INLINE})
     endif()
     add_custom_command(
       OUTPUT ${header} ${inlined}
