@@ -134,7 +134,8 @@ std::uint32_t suited_map_px(const MemoryShape& shape, std::uint64_t range_bytes)
     px = beams * planned_occluders(shape) > kExactPairsMax ? kMapUsualPx : 0;
   }
   const std::size_t occluders = planned_occluders(shape);
-  while (px >= kMapLeastPx && map_bytes(shape, px, occluders) > std::min<std::uint64_t>(FL_MAP_BYTES_MAX, range_bytes)) px /= 2;
+  const std::uint64_t most = std::min<std::uint64_t>(FL_MAP_BYTES_MAX, range_bytes);
+  while (px >= kMapLeastPx && map_bytes(shape, px, occluders) > most) px /= 2;
   return px >= kMapLeastPx ? px : 0;
 }
 

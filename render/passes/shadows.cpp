@@ -106,7 +106,8 @@ const PassEntry kShadowsPass{
     },
     [] {
       return std::vector<std::vector<vk::Spirv>>{
-          {kOccludersComp}, {kShadowsComp}, {kPlacesComp}, {kPruneComp}, {kMapshadowsComp}, {kMaprowsComp}, {kOccludergroupsComp}};
+          {kOccludersComp},  {kShadowsComp}, {kPlacesComp},         {kPruneComp},
+          {kMapshadowsComp}, {kMaprowsComp}, {kOccludergroupsComp}};
     },
     "shadows of boxes and fixtures",
     nullptr,

@@ -220,8 +220,8 @@ float polynomial(float f[kPer], vec2 at) {
 // Dark parts are those of beams with nothing in them: beams with gobos are left to the beam pass.
 bool may_be_smooth(BeamRow row) { return (row.flags & FL_BEAM_PLAIN) != 0u; }
 
-// With maps: sorts the beams of the list, a thread each. Those whose dark parts may be smooth over the tile are listed in
-// list_places, in their order; returns their number. first: word of the list. All threads call it together.
+// With maps: sorts the beams of the list, a thread each. Those whose dark parts may be smooth over the tile are listed
+// in list_places, in their order; returns their number. first: word of the list. All threads call it together.
 uint list_tried(uint supertile, uint first, vec2 low, vec2 high, RectDepth depth) {
   uint tried_count = 0u;
   for (uint base = 0u; base < list_count; base += uint(FL_GROUP_TILE)) {

@@ -12,7 +12,7 @@ set(FOOTLIGHT_SPIRV_PASSES --target-env=vulkan1.3 --merge-return --inline-entry-
     --eliminate-dead-functions --scalar-replacement=100 --eliminate-local-single-block --eliminate-local-single-store
     --ssa-rewrite --eliminate-dead-code-aggressive --compact-ids)
 # What spirv-opt gave is kept for the other build folders of this tree, and for shaders that are restored
-# (docs/decisions/0191).
+# (docs/decisions/0186).
 set(FOOTLIGHT_SHADER_CACHE "" CACHE PATH "Folder for inlined shaders that several build folders share; empty: none")
 set(FOOTLIGHT_SHADERS_KEPT_MAX 2000)  # files, 110 kB in the mean
 if(FOOTLIGHT_SHADER_CACHE)

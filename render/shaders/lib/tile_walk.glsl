@@ -6,9 +6,10 @@
 //   }
 //
 // tile_walk() lists up to FL_WALK_BEAMS beams of the masks from a word on, and puts them to the test of the including
-// pass, bool tile_takes(uint beam, uint number), shared out among the threads; `number` is the beam's place in the list.
-// FL_WALK_ALSO(word): a word of bits of further beams. FL_WALK_BITS(word): a word of bits of places that FL_WALK_BEGIN
-// takes. All threads of the group must call it together; it returns the same for all: the word after those it has listed.
+// pass, bool tile_takes(uint beam, uint number), shared out among the threads; `number` is the beam's place in the
+// list. It returns the word after those that it has listed. FL_WALK_ALSO(word): a word of bits of further beams.
+// FL_WALK_BITS(word): a word of bits of places that FL_WALK_BEGIN takes. All threads of the group must call it
+// together; it returns the same for all.
 //
 // A thread has FL_ROWS pixels, one below the other, so that a beam's row is read once for all of them: on an H200
 // 10,000 beams at 3840 x 2160 take 45 ms with one pixel a thread, 41 ms with four (3 nodes). The including pass
