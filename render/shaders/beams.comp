@@ -92,8 +92,13 @@ layout(constant_id = FL_SPEC_NODES) const uint kNodes = 3;
 
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
-// The code of gobos and shadows is long: once in the shader, and not once a row.
+// The code of gobos is long: once in the shader, and not once a row. Without them Mesa, which ends the loops of a thread
+// after 65,535 rounds, would come to its end with fewer beams.
+#if defined(FL_GOBO_BEAMS) && !defined(FL_ONE_ROW)
 #define FL_EACH_ROW [[dont_unroll]]
+#else
+#define FL_EACH_ROW [[unroll]]
+#endif
 
 // Light of a part of a chord, over J0 and sigma_s.
 vec3 part_light(BeamShape beam, BeamRow row, Medium medium, Chord chord, vec3 ray, uint nodes, bool gobo) {

@@ -1,11 +1,11 @@
-// Reads the rows of a shadow map (shadow_row_line.glsl). The row is the nearest, and a place a 64th of the line within the
-// beam: edges are half of that off. After shadow_map.glsl.
+// Reads the rows of a shadow map (shadow_row_line.glsl). The row is the nearest, and a place a 64th of the line within
+// the beam: edges are half of that off. After shadow_map.glsl.
 layout(set = 0, binding = FL_BINDING_BEAM_MAPS, std430) readonly buffer ShadowRowsBuffer { uvec4 shadow_rows[]; };
 
 bool has_row(RowLine line) { return kMapRows && line.offset < 1.5; }
 
-// Of eight keys in four words, k and k + 4 in word k: a bit for each that is below the ray's key. The highest bit of each
-// half of a difference is set where the ray's key is the larger one.
+// Of eight keys in four words, k and k + 4 in word k: a bit for each that is below the ray's key. The highest bit of
+// each half of a difference is set where the ray's key is the larger one.
 uint keys_below(uint key, uvec4 words) {
   uvec4 behind = key - words;
   uint some = (behind.x >> 15 & 0x10001u) | (behind.y >> 14 & 0x20002u) | (behind.z >> 13 & 0x40004u) |
@@ -50,7 +50,8 @@ RowSpan row_span(RowLine line, uvec2 bits) {
   uvec2 differ = bits ^ uvec2(bits.x << 1 | bits.x & 1u, bits.y << 1 | bits.x >> 31);
   // Of the places after `first` up to `last`.
   uvec2 after = uvec2(first < 32 ? 0xfffffffeu << first : 0u, first < 32 ? 0xffffffffu : 0xfffffffeu << (first - 32));
-  uvec2 until = uvec2(last < 32 ? 0xffffffffu >> (31 - last) : 0xffffffffu, last < 32 ? 0u : 0xffffffffu >> (63 - last));
+  uvec2 until =
+      uvec2(last < 32 ? 0xffffffffu >> (31 - last) : 0xffffffffu, last < 32 ? 0u : 0xffffffffu >> (63 - last));
   span.changes = differ & after & until;
   span.dark = ((first < 32 ? bits.x >> first : bits.y >> (first - 32)) & 1u) != 0u;
   return span;

@@ -99,7 +99,9 @@ void walk_test_many(uint number, uint lane, RectDepth depth) {
   for (uint at = 0u; at < all;) {
     uint count = min(FL_WALK_PAIRS - kept, all - at);
     if (count < min(FL_WALK_PAIRS / 8u, all - at)) break;
-    for (uint k = lane; k < count; k += kThreads) walk_entries[kept + k] = walk_test_pair(walk_ids[number], at + k, depth);
+    for (uint k = lane; k < count; k += kThreads) {
+      walk_entries[kept + k] = walk_test_pair(walk_ids[number], at + k, depth);
+    }
     at += count;
     barrier();
     if (lane == 0u) {
