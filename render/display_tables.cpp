@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <numbers>
 
 #include "fixtures/displays/screen_motion.h"
 
@@ -148,8 +150,11 @@ Status make_display_tables(vk::Device& device, const MemoryShape& shape, RigTabl
   r.display_live = tables.live;
   r.display_film = tables.film;
   for (const fixtures::ScreenMotion& each : fixtures::screen_motions(shape.rig, shape.compiled)) {
-    DisplayMove move{{}, {}, {}, static_cast<std::uint32_t>(each.display), each.head, each.depth};
+    const fixtures::Display& display = shape.rig.displays[each.display];
+    DisplayMove move{{}, {}, {}, static_cast<std::uint32_t>(each.display), each.head, each.depth, {}, 0};
+    if (each.lit) move.lit = 1;
     for (int i = 0; i < 3; ++i) {
+      move.light[i] = static_cast<float>(display.nits * display.color[i]);
       move.middle_m[i] = static_cast<float>(each.middle_m[i]);
       move.right[i] = static_cast<float>(each.right[i]);
       move.up[i] = static_cast<float>(each.up[i]);
@@ -161,6 +166,20 @@ Status make_display_tables(vk::Device& device, const MemoryShape& shape, RigTabl
   FL_ASSIGN(r.display_cells, vk::Buffer::table(device, first_cells(shape.rig, tables)));
   FL_ASSIGN(r.display_jobs, vk::Buffer::table(device, tables.jobs));
   return {};
+}
+
+std::vector<DiscoBall> disco_balls(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled) {
+  std::vector<DiscoBall> balls;
+  for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
+    const fixtures::FixtureType& type = fixtures::type_of(rig, rig.fixtures[i]);
+    if (type.id != "vrsl/disco-ball" || type.beams.empty()) continue;
+    const fixtures::Beam& spot = type.beams.front();
+    const double half_rad = spot.field_angle_deg / 2 * std::numbers::pi / 180;
+    const double candela = spot.flux_lm / (2 * std::numbers::pi * (1 - std::cos(half_rad)));
+    balls.push_back({compiled.head_first[i], compiled.head_first[i + 1] - compiled.head_first[i],
+                     static_cast<float>(candela)});
+  }
+  return balls;
 }
 
 }  // namespace footlight::render

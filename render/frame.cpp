@@ -75,6 +75,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   frame->ambient_lx_ = rig.ambient_lx;
   frame->mirror_plane_ = MirrorPlane(rig);
   frame->machines_ = fixtures::MachineAir::make(rig, compiled);
+  frame->media_ = fixtures::MediaPlayer::make(rig, compiled);
   frame->range_m_ = light_range_m(rig, frame->resources_.rig.objects);
   const HazeReach reach = haze_reach(rig, frame->range_m_);
   frame->haze_center_m_ = reach.center_m;
@@ -236,18 +237,8 @@ void Frame::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool 
   }
   newest_.assign(levels.begin(), levels.end());
   if (machines_) machines_->step(levels, dt_ns);
+  if (media_) media_->step(levels, dt_ns);
   time_ns_ += std::max<std::int64_t>(dt_ns, 0);
-}
-
-// The last pending step is no longer the last.
-void Frame::hold_newest() {
-  if (pending_.empty()) return;
-  std::vector<std::uint8_t>& held = pending_.back().levels;
-  for (const LevelRange& range : stepped_) {
-    const auto from = newest_.begin() + static_cast<std::ptrdiff_t>(range.first);
-    held.insert(held.end(), from, from + static_cast<std::ptrdiff_t>(range.size));
-  }
-  pending_bytes_ += held.size();
 }
 
 void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev, bool adapts) {

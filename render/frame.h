@@ -32,7 +32,8 @@
 #include "render/vk/device.h"
 
 namespace footlight::fixtures {
-class MachineAir;  // fixtures/simulate/machines.h
+class MachineAir;   // fixtures/simulate/machines.h
+class MediaPlayer;  // fixtures/media/media_player.h
 }
 
 namespace footlight::render {
@@ -116,8 +117,11 @@ class Frame {
   // What haze and fog machines have brought into the air by the last step(); null in a rig without any. A picture has
   // the air of its end: its haze differs from the mean over an exposure by what comes in half of that.
   [[nodiscard]] const fixtures::MachineAir* machine_air() const { return machines_.get(); }
-  // Goes on with air without what machines have made, with clouds of haze as at the start, and with reflections that
-  // the next picture makes whole: its time is another one.
+  // What media servers play by the last step(); null in a rig in which nothing shows one. Whoever shows it gives the
+  // pixels by show_pixels().
+  [[nodiscard]] const fixtures::MediaPlayer* media() const { return media_.get(); }
+  // Goes on with air without what machines have made, with clouds of haze and media servers as at the start, and with
+  // reflections that the next picture makes whole: its time is another one.
   void forget_air();
   // The air after an hour of these levels.
   void settle_machine_air(std::span<const std::uint8_t> levels);
@@ -142,8 +146,8 @@ class Frame {
     if (needs_.haze) haze_.scattering_per_m = scattering_per_m;
   }
 
-  // The pixels of what shows a video (fixtures::shown_at() of the rig), columns x rows of them, from the next record()
-  // on. Until the first ones it is dark. Ignored if it shows something else.
+  // The pixels of what shows a video or a media server (fixtures::shown_at() of the rig), columns x rows of them, from
+  // the next record() on. Until the first ones it is dark. Ignored if it shows something else.
   void show_pixels(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
     films_.show(display, pixels);
   }
@@ -257,6 +261,7 @@ class Frame {
   };
   std::vector<LevelRange> stepped_;  // of the levels, bytes: universes that more than pixels of displays read
   std::unique_ptr<fixtures::MachineAir> machines_;  // may be null
+  std::unique_ptr<fixtures::MediaPlayer> media_;    // may be null
   double work_light_lx_ = 0;
   std::int64_t adapt_ns_ = 0;    // since the last record() that adapted
   bool adapts_ = true;           // the last record()

@@ -60,6 +60,7 @@ void Frame::forget_air() {
   time_ns_ = 0;
   resources_.rig.has_probe_light = false;
   if (machines_) machines_->forget();
+  if (media_) media_->forget();
 }
 
 void Frame::settle_machine_air(std::span<const std::uint8_t> levels) {
@@ -68,6 +69,17 @@ void Frame::settle_machine_air(std::span<const std::uint8_t> levels) {
 
 std::vector<fixtures::PlumePuff> Frame::puffs() const {
   return machines_ && puffs_.empty() ? machines_->puffs() : puffs_;
+}
+
+// The last pending step is no longer the last.
+void Frame::hold_newest() {
+  if (pending_.empty()) return;
+  std::vector<std::uint8_t>& held = pending_.back().levels;
+  for (const LevelRange& range : stepped_) {
+    const auto from = newest_.begin() + static_cast<std::ptrdiff_t>(range.first);
+    held.insert(held.end(), from, from + static_cast<std::ptrdiff_t>(range.size));
+  }
+  pending_bytes_ += held.size();
 }
 
 void Frame::upload_haze(VkCommandBuffer commands, const View& view, const PlumeField& plumes) {
@@ -108,6 +120,7 @@ Result<FrameState> Frame::save_state() {
   state.time_ns = time_ns_;
   state.newest = newest_;
   if (machines_) state.air = machines_->air();
+  if (media_) state.media = media_->states();
   const auto buffers = state_buffers();
   FL_ASSIGN(const VkDeviceSize bytes, prepare(device_, resources_.rig, buffers, state_bytes_));
   if (bytes == 0) return state;
@@ -129,6 +142,7 @@ Status Frame::load_state(const FrameState& state) {
   newest_ = state.newest;
   resources_.rig.has_probe_light = false;  // it is of the state from before
   if (machines_) machines_->set_air(state.air);
+  if (media_) media_->set_states(state.media, state.newest);
   if (bytes == 0) return {};
   std::memcpy(state_bytes_.mapped, state.heads.data(), bytes);
   return device_.run_once([&](VkCommandBuffer commands) {

@@ -654,6 +654,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   }
   if (used[FL_BINDING_PANES]) FL_TRY(make_pane_tables(device, shape.rig, has_pane_sums(shape.needs), r));
   if (used[FL_BINDING_DISPLAYS]) FL_TRY(make_display_tables(device, shape, r));
+  r.disco_balls = render::disco_balls(shape.rig, shape.compiled);
   if (used[FL_BINDING_BOUNCE_LIGHT]) FL_TRY(make_bounce_tables(device, shape, r));
   if (used[FL_BINDING_PROBE_LIGHT]) FL_TRY(make_probe_tables(device, shape, diagnostics, r));
   std::vector<std::uint32_t> gobo_planes;
@@ -669,8 +670,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
     GoboTablePlan plan;
     if (has_gobo_tables(shape.needs, shape.settings))
       plan = plan_gobo_tables(compiled, gobo_planes, shape.settings.gobo_gates);
-    if (device.limits().maxImageDimension2D < kGoboLinesRows) {
-      // Vulkan guarantees 4096: such a device samples all gobos.
+    if (device.limits().maxImageDimension2D < kGoboLinesRows) {  // 4096 is guaranteed: it samples all gobos
       for (GoboTableRow& row : plan.rows) row = {.planes = row.planes, .lines = 0, .built = 0, .gate = 0, .whole = {}};
       plan.lines_layers = plan.whole_layers = plan.gates = 0;
     }

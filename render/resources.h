@@ -38,16 +38,26 @@ struct DisplayJobRange {
 };
 using DisplayJobs = std::vector<DisplayJobRange>;
 
-// The push constants of displayposes.comp: a display behind a joint of a head.
+// The push constants of displayposes.comp: a display behind a joint of a head, or with its light.
 struct DisplayMove {
   float middle_m[3];  // in the space behind the joint
   float right[3];     // unit
   float up[3];        // unit
   std::uint32_t display;
   std::uint32_t head;
-  std::uint32_t depth;  // joints before it
+  std::uint32_t depth;  // joints before it; 0: it stands
+  float light[3];       // cd/m^2 where the head's light is 1
+  std::uint32_t lit;    // 0: its light is not the head's
 };
-static_assert(sizeof(DisplayMove) == 48);
+static_assert(sizeof(DisplayMove) == 64);
+
+// A disco ball of VR Stage Lighting, whose spots its style draws by other formulas.
+struct DiscoBall {
+  std::uint32_t head_first = 0;  // heads of its spots
+  std::uint32_t head_count = 0;
+  float spot_cd = 0;  // mean luminous intensity of a spot
+};
+[[nodiscard]] std::vector<DiscoBall> disco_balls(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled);
 
 // Tables, models, gobo images and states of a rig. Made once; reading models and images is slow.
 struct RigTables {
@@ -136,7 +146,8 @@ struct RigTables {
   std::uint32_t pane_lines_most = 0;  // of a group
   std::uint32_t gloss_count = 0;
   std::uint32_t occluder_words = 0;  // of a pane's bits
-  std::vector<DisplayMove> display_moves;  // of displays that pan and tilt: each picture
+  std::vector<DisplayMove> display_moves;  // of displays that pan and tilt, and of tubes: each picture
+  std::vector<DiscoBall> disco_balls;
   DisplayJobs display_still;         // of images: once
   DisplayJobs display_live;          // of pixel maps: each frame
   DisplayJobs display_film;          // of films: with new pixels (render/display_films.h)

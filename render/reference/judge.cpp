@@ -785,6 +785,10 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
       return walker.fixture_to_stage_direction(row, walker.chain_to_fixture(type, state, each.depth, axis, 0));
     };
     JudgeDisplay& display = scene.displays[each.display];
+    if (each.lit) {
+      for (glm::dvec3& pixel : display.pixels_cd_m2) pixel *= glm::dvec3(state.red, state.green, state.blue);
+    }
+    if (each.depth == 0) continue;
     display.center_m =
         walker.fixture_to_stage_point(row, walker.chain_to_fixture(type, state, each.depth, each.middle_m, 1));
     const glm::dvec3 up = glm::normalize(turned(each.up));

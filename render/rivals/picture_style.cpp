@@ -11,6 +11,7 @@
 #include "render/rivals/beam_card.h"
 #include "render/rivals/rival_pass.h"
 #include "render/rivals/rivals.h"
+#include "render/rivals/vrsl_disco.h"
 #include "shaders/addblended.comp.h"
 #include "shaders/vrslbeam.frag.h"
 #include "shaders/vrslbeam.vert.h"
@@ -98,7 +99,7 @@ PassList style_passes(const PassList& air) {
 }
 
 PassList vrsl_passes() {
-  PassList list = style_passes({&kVrslSpot, &kVrslBeam});
+  PassList list = style_passes({&kVrslDiscoPass, &kVrslSpot, &kVrslBeam});
   std::replace(list.begin(), list.end(), &kSurfacesPass, &kUnlitSurfaces);
   return list;
 }

@@ -1,5 +1,6 @@
 #version 460
-// Where a display is that moves with a head: behind a joint of it, as the head's bodies are.
+// Where a display is that moves with a head: behind a joint of it, as the head's bodies are. The light of one that has
+// that of a head.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
@@ -16,6 +17,8 @@ layout(push_constant) uniform Push {
   uint display;
   uint head;
   uint depth;
+  float light_r, light_g, light_b;  // cd/m^2 where the head's light is 1
+  uint lit;
 } move;
 
 vec3 to_stage(vec3 v, float is_point) {
@@ -25,6 +28,12 @@ vec3 to_stage(vec3 v, float is_point) {
 }
 
 void main() {
+  if (move.lit != 0u) {
+    HeadState state = states[move.head];
+    displays[move.display].light.rgb = vec3(move.light_r, move.light_g, move.light_b) *
+                                       vec3(state.red, state.green, state.blue);
+  }
+  if (move.depth == 0u) return;
   vec3 up = normalize(to_stage(vec3(move.up_x, move.up_y, move.up_z), 0.0));
   vec3 right = to_stage(vec3(move.right_x, move.right_y, move.right_z), 0.0);
   right = normalize(right - up * dot(right, up));

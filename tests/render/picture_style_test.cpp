@@ -111,5 +111,55 @@ TEST_CASE("a style has the passes that its words say, and none of the product's 
   CHECK(wrong.error().message == "VRSL: expected physical, vrsl or card");
 }
 
+// A disco ball before a wall.
+Scene disco_at(double distance_m) {
+  Scene scene;
+  scene.rig = must(fixtures::parse_rig(
+      "[rig]\nname = \"x\"\n[[fixture]]\nname = \"Ball\"\ntype = \"vrsl/disco-ball\"\nuniverse = 1\naddress = 1\n"
+      "position = [0, 0, 5.4]\n",
+      "x.toml"));
+  scene.rig.haze.scattering_per_m = 0;
+  scene.rig.ambient_lx = 0;
+  scene.rig.boxes = {{"wall", {-40, distance_m, -30}, {40, distance_m + 0.2, 40}, glm::dvec3(0.5)}};
+  scene.rig.cameras = {{"beside", {0, -1, 5}, {0, distance_m, 5}, 40, 8}};
+  scene.compile();
+  scene.set(0, "Dimmer", 1);
+  return scene;
+}
+
+TEST_CASE("a disco ball of VRSL throws its map by the square of the level over the distance, and no beams") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const auto sum_at = [&](Scene& scene, double* most = nullptr) {
+    const RadianceImage image = draw_style(vulkan.device(), scene, PictureStyle::kVrsl);
+    double sum = 0;
+    for (const float value : image.rgb) {
+      sum += static_cast<double>(value);
+      if (most != nullptr) *most = std::max(*most, static_cast<double>(value));
+    }
+    return sum;
+  };
+  Scene scene = disco_at(6);
+  const double spot_cd = static_cast<double>(disco_balls(scene.rig, scene.compiled).at(0).spot_cd);
+  CHECK(spot_cd == doctest::Approx(80 / (2 * 3.14159265 * (1 - std::cos(1.5 * 3.14159265 / 180)))).epsilon(1e-3));
+  double most = 0;
+  const double full = sum_at(scene, &most);
+  const double spot = 0.5 / 3.14159265 * spot_cd / 36;  // 6 m away
+  CHECK(most <= spot * 1.001);
+  CHECK(most >= spot * 0.5);
+  scene.slots(0)[0] = 51;
+  CHECK(sum_at(scene) / full == doctest::Approx(0.04).epsilon(1e-3));
+  scene.slots(0)[0] = 0;
+  CHECK(sum_at(scene) == 0);
+  // The map turns with the ball: 82 degrees in 10 s.
+  const FrameSettings settings = settings_of(PictureStyle::kVrsl, judged_settings(32, 18));
+  const auto frame =
+      must(Frame::create(vulkan.device(), scene.rig, scene.compiled, settings, passes_of(PictureStyle::kVrsl)));
+  scene.slots(0)[0] = 255;
+  const auto first = draw(*frame, scene).rgb;
+  frame->step(scene.levels, 10'000 * kMs);
+  CHECK(draw(*frame, scene).rgb != first);
+}
+
 }  // namespace
 }  // namespace footlight::render

@@ -171,6 +171,8 @@ class Writer {
       case GeometryKind::kLaser: return "laser";
       case GeometryKind::kDisplay: return "display";
       case GeometryKind::kMediaServer: return "media server";
+      case GeometryKind::kMediaLayer: return "media layer";
+      case GeometryKind::kMediaCamera: return "media camera";
       case GeometryKind::kWiring: return "wiring";
       case GeometryKind::kInventory: return "inventory";
       case GeometryKind::kStructure: return "structure";

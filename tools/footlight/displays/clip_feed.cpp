@@ -49,8 +49,10 @@ Result<ClipLight> ClipFeed::make(std::size_t index) {
   return ClipLight{index, std::make_shared<const fixtures::PaneImage>(light_of(*picture, curve_, columns_, rows_))};
 }
 
-Result<ClipLight> ClipFeed::at(DurationNs show_ns) {
-  const std::size_t index = clip_->index_at(clip_time_ns(video_, show_ns, duration_ns_));
+Result<ClipLight> ClipFeed::at(DurationNs show_ns) { return at_clip(clip_time_ns(video_, show_ns, duration_ns_)); }
+
+Result<ClipLight> ClipFeed::at_clip(DurationNs clip_ns) {
+  const std::size_t index = clip_->index_at(clip_ns);
   if (!thread_.joinable()) {
     if (!last_.pixels || last_.index != index) {
       FL_ASSIGN(last_, make(index));

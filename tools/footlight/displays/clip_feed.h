@@ -39,6 +39,9 @@ class ClipFeed {
 
   // pixels is null before the first picture is ready; only with kAhead. One thread.
   [[nodiscard]] Result<ClipLight> at(DurationNs show_ns);
+  // The same at a time of the file.
+  [[nodiscard]] Result<ClipLight> at_clip(DurationNs clip_ns);
+  [[nodiscard]] DurationNs duration_ns() const { return duration_ns_; }
   // Pictures so far that are damaged or missing, so that another one stands in their place.
   [[nodiscard]] std::size_t replaced() const;
 

@@ -1,14 +1,14 @@
-// The videos of all displays of a rig, for a frame.
+// The videos of all displays of a rig, and what media servers show on them, for a frame.
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "render/frame.h"
 #include "tools/footlight/displays/clip_feed.h"
+#include "tools/footlight/displays/media_pictures.h"
 
 namespace footlight::tools {
 
@@ -22,12 +22,10 @@ class DisplayVideos {
   // of the first video that cannot be decoded; it is closed, its displays keep their picture, and the others go on.
   Status show(DurationNs show_ns, render::Frame& frame);
   // The same for any taker: called once for each display whose pixels have changed since the last call.
-  using GivePixels =
-      std::function<void(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels)>;
+  using GivePixels = footlight::tools::GivePixels;
   Status give_changes(DurationNs show_ns, const GivePixels& give);
   // The next show() gives everything again: for another frame of the same rig.
   void show_all_again();
-  [[nodiscard]] bool empty() const { return feeds_.empty(); }
   // One line for each video in which pictures were found damaged or missing since the last call; a video has one line.
   [[nodiscard]] std::vector<std::string> take_news();
 
@@ -40,6 +38,7 @@ class DisplayVideos {
     bool told = false;
   };
   std::vector<Feed> feeds_;
+  MediaPictures media_;
 };
 
 // Whether both rigs have the same videos, in the same pixels, at the same displays.

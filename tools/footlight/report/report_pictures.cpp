@@ -141,12 +141,14 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
   const DamageWarning warning(log);
   std::optional<AirWatch> watch;
   if (auto machines = fixtures::MachineAir::make(scene.rig, scene.compiled)) watch.emplace(std::move(machines));
+  const auto media = fixtures::MediaPlayer::make(scene.rig, scene.compiled);
   if (log) {
     Timeline timeline(std::move(*log), scene.compiled);
     timeline.pass_over(fixtures::pixel_universes(scene.rig, scene.compiled));
     FL_TRY(timeline.advance(at_ns, 0, [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool) {
       scene.levels.assign(levels.begin(), levels.end());
       if (watch) watch->step(levels, dt_ns);
+      if (media) media->step(levels, dt_ns);
     }));
   }
   if (by_hand) {
@@ -154,7 +156,9 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
     for (const std::string& text : arguments.sets) FL_TRY(set_by_hand(text, scene.rig, hand));
     scene.levels.assign(hand.levels().begin(), hand.levels().end());
     if (watch) watch->step(scene.levels, at_ns);
+    if (media) media->step(scene.levels, at_ns);
   }
+  if (media) FL_TRY(hold_media(scene.rig, *media));
   fixtures::hold_projections(scene.rig, scene.compiled, scene.levels);
   if (watch) {
     air = watch->report(scene.rig.room);

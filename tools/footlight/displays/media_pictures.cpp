@@ -1,0 +1,158 @@
+#include "tools/footlight/displays/media_pictures.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "sim/core/counted.h"
+#include "sim/core/no_signals.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr std::size_t kSourcesKept = 16;  // more are dropped when they are not shown
+
+// The content in the pixels of what shows it.
+fixtures::Display sized_content(const fixtures::Display& content, int columns, int rows) {
+  fixtures::Display sized = content;
+  sized.columns = columns;
+  sized.rows = rows;
+  return sized;
+}
+
+// The time of the file of a layer that has played for so long: from its begin to its end.
+DurationNs file_time_ns(const fixtures::DisplayVideo& video, const fixtures::MediaLayer& layer,
+                        DurationNs duration_ns) {
+  fixtures::DisplayVideo played = video;
+  played.loop = layer.loop.value_or(video.loop);
+  const auto whole = static_cast<double>(duration_ns);
+  const auto begin_ns = std::min<DurationNs>(std::llround(layer.begin * whole), duration_ns - 1);
+  const auto end_ns = std::clamp<DurationNs>(std::llround(layer.end * whole), begin_ns + 1, duration_ns);
+  return begin_ns + clip_time_ns(played, layer.played_ns, end_ns - begin_ns);
+}
+
+}  // namespace
+
+std::string damage_news(const std::string& path, std::size_t replaced) {
+  return fmt::format("{}: {} so far cannot be decoded; the last whole one stays in their place. Export the video again",
+                     path, counted(replaced, "picture"));
+}
+
+Result<MediaPictures> MediaPictures::open(const fixtures::Rig& rig, ClipPace pace) {
+  MediaPictures pictures;
+  pictures.pace_ = pace;
+  for (const fixtures::PatchedFixture& fixture : rig.fixtures) {
+    if (!fixture.media) continue;
+    for (const fixtures::Media& media : fixture.media->media) {
+      if (!media.content.video) continue;
+      if (const auto clip = Clip::open(media.content.video->path); !clip) {
+        return fail(clip.error().code, "[[fixture]] {}: media: video: {}", fixture.name, clip.error().message);
+      }
+    }
+  }
+  return pictures;
+}
+
+MediaPictures::Source MediaPictures::make(const Key& key, const fixtures::MediaPlayer& player) const {
+  const auto columns = std::get<2>(key), rows = std::get<3>(key);
+  const fixtures::Display& content = *std::get<1>(key);
+  Source source;
+  source.key = key;
+  if (content.map) {
+    source.map.emplace(content, player.universes());
+  } else if (content.video) {
+    source.path = content.video->path;
+    const NoSignals no_signals;
+    source.opening =
+        std::async(std::launch::async, [sized = sized_content(content, columns, rows), pace = pace_] {
+          return ClipFeed::open(sized, pace);
+        });
+  } else if (content.image) {
+    source.pixels = std::make_shared<const fixtures::PaneImage>(resampled(*content.image, columns, rows));
+  } else {
+    fixtures::PaneImage even{columns, rows, {}};
+    even.texels.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), glm::vec3(1));
+    source.pixels = std::make_shared<const fixtures::PaneImage>(std::move(even));
+  }
+  return source;
+}
+
+Status MediaPictures::update_clip(Source& source, const fixtures::MediaLayer& layer) {
+  if (source.failed) return {};
+  if (!source.clip) {
+    const bool waits = pace_ == ClipPace::kExact;
+    if (!waits && source.opening.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
+    auto opened = source.opening.get();
+    source.failed = !opened;
+    if (!opened) return tl::unexpected<Error>(opened.error());
+    source.clip = std::move(*opened);
+  }
+  const fixtures::DisplayVideo& video = *std::get<1>(source.key)->video;
+  const auto light = source.clip->at_clip(file_time_ns(video, layer, source.clip->duration_ns()));
+  source.failed = !light;
+  source.pixels = light ? light->pixels : nullptr;
+  return light ? Status{} : Status(tl::unexpected<Error>(light.error()));
+}
+
+Status MediaPictures::update(Source& source, const fixtures::MediaLayer& layer, const fixtures::MediaPlayer& player) {
+  source.used = true;
+  if (!source.path.empty()) return update_clip(source, layer);
+  if (!source.map) return {};
+  if (const auto pixels = source.map->next(player.levels())) {
+    source.pixels = std::make_shared<const fixtures::PaneImage>(
+        resampled(*pixels, std::get<2>(source.key), std::get<3>(source.key)));
+  }
+  return {};
+}
+
+Status MediaPictures::give_changes(const fixtures::MediaPlayer& player, const GivePixels& give) {
+  Status status;
+  given_.resize(player.shows().size());
+  for (Source& source : sources_) source.used = false;
+  for (std::size_t s = 0; s < player.shows().size(); ++s) {
+    const fixtures::MediaPlayer::Show& show = player.shows()[s];
+    std::vector<fixtures::MediaPixels> layers;
+    for (const std::size_t l : show.layers) {
+      const fixtures::MediaLayer& layer = player.layers()[l];
+      if (layer.media < 0) continue;
+      const fixtures::Display& content = show.server->media[static_cast<std::size_t>(layer.media)].content;
+      const Key key(l, &content, show.columns, show.rows);
+      auto source = std::find_if(sources_.begin(), sources_.end(), [&](const Source& each) { return each.key == key; });
+      if (source == sources_.end()) {
+        source = sources_.insert(sources_.end(), make(key, player));
+        source->server = show.server;
+      }
+      if (Status updated = update(*source, layer, player); !updated && status) status = updated;
+      layers.push_back({source->pixels, layer.share, layer.color * content.color});
+    }
+    const double share = player.shares()[show.dimmed];
+    if (given_[s].share == share && given_[s].layers == layers) continue;
+    give(show.shown, std::make_shared<const fixtures::PaneImage>(composed(layers, share, show.columns, show.rows)));
+    given_[s] = {std::move(layers), share};
+  }
+  if (sources_.size() > kSourcesKept) std::erase_if(sources_, [](const Source& source) { return !source.used; });
+  return status;
+}
+
+std::vector<std::string> MediaPictures::take_news() {
+  std::vector<std::string> news;
+  for (Source& source : sources_) {
+    const std::size_t replaced = source.told || !source.clip ? 0 : source.clip->replaced();
+    if (replaced == 0) continue;
+    source.told = true;
+    news.push_back(damage_news(source.path, replaced));
+  }
+  return news;
+}
+
+Status hold_media(fixtures::Rig& rig, const fixtures::MediaPlayer& player) {
+  MediaPictures pictures;
+  const std::size_t displays = rig.displays.size();
+  const GivePixels hold = [&](std::size_t shown, const std::shared_ptr<const fixtures::PaneImage>& pixels) {
+    (shown < displays ? rig.displays[shown] : rig.projections[shown - displays]).image = pixels;
+  };
+  return pictures.give_changes(player, hold);
+}
+
+}  // namespace footlight::tools
