@@ -81,7 +81,7 @@ void walk_list_few() {
   barrier();  // the list before this one has been read by all
   if (lane < 8u) walk_bits[lane] = 0u;
   uint all = 0u;
-  for (uint word = 0u; word < words; ++word) {
+  [[dont_unroll]] for (uint word = 0u; word < words; ++word) {
     uint bits = walk_listed(first, word);
     uint bit = lane & 31u;
     if ((lane >> 5) == word % (kThreads / 32u) && (bits >> bit & 1u) != 0u) {
