@@ -5,11 +5,9 @@
 #include <utility>
 
 #include "render/passes/compute_pass.h"
-#include "render/shaders/shared/shadow_map.h"
 #include "render/shadow_tables.h"
 #include "shaders/occludergroups.comp.h"
 #include "shaders/occluders.comp.h"
-#include "shaders/maprows.comp.h"
 #include "shaders/mapshadows.comp.h"
 #include "shaders/places.comp.h"
 #include "shaders/prune.comp.h"
@@ -23,7 +21,6 @@ struct ShadowSteps {
   std::optional<BoundPipeline> bodies;
   std::optional<BoundPipeline> groups;
   std::optional<BoundPipeline> maps;  // or count, write and prune
-  std::optional<BoundPipeline> rows;
   std::optional<BoundPipeline> count;
   std::optional<BoundPipeline> places;
   std::optional<BoundPipeline> write;
@@ -51,10 +48,6 @@ class ShadowsPass final : public Pass {
     vk::full_barrier(commands);
     steps_.places->bind(commands);
     vkCmdDispatch(commands, 1, 1, 1);
-    if (steps_.rows) {
-      vk::full_barrier(commands);
-      each_beam(commands, *steps_.rows);
-    }
     if (steps_.maps) return;
     vk::full_barrier(commands);
     each_beam(commands, *steps_.write);
@@ -92,9 +85,6 @@ const PassEntry kShadowsPass{
       if (context.resources.rig.shadow_map_px > 0) {
         FL_ASSIGN(steps.groups, BoundPipeline::compute(context, kOccludergroupsComp, {}));
         FL_ASSIGN(steps.maps, BoundPipeline::compute(context, kMapshadowsComp, context.constants));
-        if (context.resources.rig.shadow_map_px == FL_MAP_ROWS) {
-          FL_ASSIGN(steps.rows, BoundPipeline::compute(context, kMaprowsComp, context.constants));
-        }
       } else {
         std::vector<vk::SpecConstant> writes = context.constants;
         writes.push_back({FL_SPEC_WRITE, 1});
@@ -107,7 +97,7 @@ const PassEntry kShadowsPass{
     [] {
       return std::vector<std::vector<vk::Spirv>>{
           {kOccludersComp},  {kShadowsComp}, {kPlacesComp},         {kPruneComp},
-          {kMapshadowsComp}, {kMaprowsComp}, {kOccludergroupsComp}};
+          {kMapshadowsComp}, {kOccludergroupsComp}};
     },
     "shadows of boxes and fixtures",
     nullptr,

@@ -1,8 +1,12 @@
 #include "render/passes/shadowtiles.h"
 
+#include <cstddef>
+#include <optional>
 #include <utility>
 
 #include "render/passes/compute_pass.h"
+#include "render/shaders/shared/shadow_map.h"
+#include "shaders/maprows.comp.h"
 #include "shaders/shadowtiles.comp.h"
 
 namespace footlight::render {
@@ -10,9 +14,14 @@ namespace {
 
 class ShadowtilesPass final : public Pass {
  public:
-  ShadowtilesPass(BoundPipeline step, const PictureImages& picture) : step_(std::move(step)), picture_(picture) {}
+  ShadowtilesPass(BoundPipeline step, std::optional<BoundPipeline> rows, const Resources& resources)
+      : step_(std::move(step)), rows_(std::move(rows)), rig_(resources.rig), picture_(resources.picture) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte>) override {
+    if (rows_) {  // they are for this view's camera; nothing before the beam passes reads them
+      rows_->bind(commands);
+      vkCmdDispatchIndirect(commands, rig_.counts.handle, offsetof(CountsRow, shadow_groups));
+    }
     vkCmdFillBuffer(commands, picture_.shadow_picks.handle, 0, 8, 0);  // no word is in use
     vk::full_barrier(commands);
     step_.bind(commands);
@@ -21,6 +30,8 @@ class ShadowtilesPass final : public Pass {
 
  private:
   BoundPipeline step_;
+  std::optional<BoundPipeline> rows_;
+  const RigTables& rig_;
   const PictureImages& picture_;
 };
 
@@ -38,9 +49,13 @@ const PassEntry kShadowtilesPass{
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       FL_ASSIGN(BoundPipeline step, BoundPipeline::compute(context, kShadowtilesComp, context.constants));
-      return std::unique_ptr<Pass>(new ShadowtilesPass(std::move(step), context.resources.picture));
+      std::optional<BoundPipeline> rows;
+      if (context.resources.rig.shadow_map_px == FL_MAP_ROWS) {
+        FL_ASSIGN(rows, BoundPipeline::compute(context, kMaprowsComp, context.constants));
+      }
+      return std::unique_ptr<Pass>(new ShadowtilesPass(std::move(step), std::move(rows), context.resources));
     },
-    [] { return std::vector<std::vector<vk::Spirv>>{{kShadowtilesComp}}; },
+    [] { return std::vector<std::vector<vk::Spirv>>{{kShadowtilesComp}, {kMaprowsComp}}; },
     "shadows in the haze"};
 
 }  // namespace footlight::render

@@ -92,8 +92,8 @@ layout(constant_id = FL_SPEC_NODES) const uint kNodes = 3;
 
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
-// The code of gobos is long: once in the shader, and not once a row. Without them Mesa, which ends the loops of a thread
-// after 65,535 rounds, would come to its end with fewer beams.
+// The code of gobos is long: once in the shader, and not once a row. Without them a loop over rows would take rounds
+// from Mesa, which ends the loops of a thread after 65,535 of them.
 #if defined(FL_GOBO_BEAMS) && !defined(FL_ONE_ROW)
 #define FL_EACH_ROW [[dont_unroll]]
 #else
@@ -165,7 +165,7 @@ vec3 chord_light(uint index, uint number, uint begin, BeamShape beam, BeamRow ro
   }
   bool by_nodes = found != 0u && !gobo && kMethod == uint(FL_METHOD_GAUSS) &&
                   !(kMeasured && row.measured != 0u) && !(kWide && beam.spread > kWideSpread);
-  if (by_nodes && has_row(ends.line) && row.squeeze == 0.0) {
+  if (by_nodes && has_series(row, ends.line)) {
     return vec3(row_light(index, beam, medium, chord, ray, ends.line, subtracts));
   }
   bool weighs = kLensPoints > 1u && by_nodes;

@@ -41,7 +41,8 @@ MapRow map_row(vec3 eye, float w, uint number) {
   return row;
 }
 
-// The key of a place: of the ray of the row that meets the first body there.
+// The key of a place: of the ray of the row that meets the first body there. At the eye z over w is slope.y over
+// slope.x, where s is -1 over slope.x.
 uint place_key(uint beam_index, BeamShape beam, MapRow row, uint place) {
   float s = row.half_length * ((2.0 * float(place) + 1.0) / float(FL_MAP_ROWS) - 1.0);
   vec2 rho = s * row.along + row.offset * vec2(row.along.y, -row.along.x);
@@ -53,8 +54,9 @@ uint place_key(uint beam_index, BeamShape beam, MapRow row, uint place) {
   // z over w is linear along each ray.
   float met = met_m / (beam.lens_radius_m + beam.spread * met_m);
   float middle = (met + s * row.slope.y) / (1.0 + s * row.slope.x);
-  float below = 1.0 - beam.spread * middle;
-  return row_key(below > 1e-6 ? middle * beam.lens_radius_m / below : kRowFar);
+  float enters = middle * (1.0 - row.half_length * row.slope.x) + row.half_length * row.slope.y;
+  float below = 1.0 - beam.spread * enters;
+  return row_key(below > 1e-6 ? enters * beam.lens_radius_m / below : kRowFar);
 }
 
 void main() {

@@ -182,7 +182,7 @@ float dark_light(uint id, BeamRow row, BeamShape beam, uint first, uint count, R
   if (!beam_chord(beam, row.eye.xyz, ray, 0.0, end_m, chord)) return 0.0;
   known = known && (!kSolids || depth.is_plane || chord.t_base_m + chord.t_to_m <= depth.near_m);
   ShadowChord ends = shadow_chord(row, beam, chord, ray);
-  if (count > 0u && has_row(ends.line)) return row_light(id, beam, medium, chord, ray, ends.line, true);
+  if (count > 0u && has_series(row, ends.line)) return row_light(id, beam, medium, chord, ray, ends.line, true);
   if (kLensPoints > 1u) return soft_dark_light(beam, medium, chord, ray, nodes, ends, first, count);
   ShadowParts parts;
   shadow_parts_clear(parts);

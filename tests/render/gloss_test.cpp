@@ -13,6 +13,7 @@
 #include "render/frame.h"
 #include "render/mirror.h"
 #include "render/reference/gloss_judge.h"
+#include "render/reference/norms.h"
 #include "tests/render/judged_light.h"
 #include "tests/support/headless_vulkan.h"
 
@@ -143,6 +144,33 @@ TEST_CASE("pictures of a floor that mirrors have light" *
   std::fprintf(out, "P6 %d %d 255\n", screen.width, screen.height);
   for (std::size_t i = 0; i < screen.rgba.size(); i += 4) std::fwrite(&screen.rgba[i], 1, 3, out);
   std::fclose(out);
+}
+
+TEST_CASE("beside a floor that mirrors, shadow maps hide what exact shadows hide") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = lamps_over_floor({0.3, 0});
+  scene.rig.boxes.push_back({"bar", {-6, -1, 2.2}, {6, -0.4, 2.8}, glm::dvec3(0.2)});
+  const std::vector<std::uint8_t> levels = scene.levels;
+  scene.compile();
+  scene.levels = levels;
+  const auto picture = [&](std::uint32_t map_px, bool shadows) {
+    const RadianceImage image = drawn_light(vulkan.device(), scene, 96, 54, true, [&](FrameSettings& settings) {
+      settings.gloss_px = 2;
+      settings.shadow_map_px = map_px;
+      settings.shadows = shadows;
+    });
+    return image.rgb;
+  };
+  const std::vector<float> exact_rgb = picture(0, true);
+  const std::vector<double> exact(exact_rgb.begin(), exact_rgb.end());
+  const double maps = picture_norms(picture(64, true), exact).rel_l2;
+  const double finer = picture_norms(picture(256, true), exact).rel_l2;
+  const double none = picture_norms(picture(0, false), exact).rel_l2;
+  std::fprintf(stderr, "maps beside a mirror: relL2 %.3g, with 256 texels %.3g, without shadows %.3g\n", maps, finer,
+               none);
+  CHECK(none > 0.05);
+  CHECK(maps < 0.25 * none);
 }
 
 TEST_CASE("a floor in an even room is as bright as without gloss, however rough") {

@@ -101,12 +101,21 @@ TEST_CASE("from every side the rows of shadow maps come nearer to exact shadows 
   Scene scene = cluttered_scene(5, 16, 3);
   FrameSettings settings = judged_settings(128, 72);
   // Beside the beams, above and below them, behind the lenses, and among the beams, where some have no rows.
-  const fixtures::Camera cameras[] = {scene.camera,
-                                      {"left", {-14, 2, 4}, {0, 2, 2}, 50, 8},
-                                      {"right", {12, 9, 1}, {0, 2, 2}, 60, 8},
-                                      {"behind", {3, -16, 6}, {0, 4, 2}, 40, 8},
-                                      {"above", {1, 3, 16}, {0.5, 3, 0}, 60, 8},
-                                      {"among", {0.3, 1.5, 2.5}, {1.5, 6, 2}, 70, 8}};
+  std::vector<fixtures::Camera> cameras = {scene.camera,
+                                           {"left", {-14, 2, 4}, {0, 2, 2}, 50, 8},
+                                           {"right", {12, 9, 1}, {0, 2, 2}, 60, 8},
+                                           {"behind", {3, -16, 6}, {0, 4, 2}, 40, 8},
+                                           {"above", {1, 3, 16}, {0.5, 3, 0}, 60, 8},
+                                           {"among", {0.3, 1.5, 2.5}, {1.5, 6, 2}, 70, 8}};
+  // Beside the lens of the widest beam, along its edge: many of the rays through it never come to its axis.
+  fixtures::f64::Walker walker(scene.compiled);
+  walker.step(scene.levels, 0);
+  const std::vector<JudgeBeam> beams = judge_scene(scene.rig, walker).beams;
+  const JudgeBeam& widest = *std::max_element(
+      beams.begin(), beams.end(), [](const JudgeBeam& a, const JudgeBeam& b) { return a.spread < b.spread; });
+  const glm::dvec3 aside = glm::normalize(glm::cross(widest.axis, glm::dvec3(0.3, 0.2, 1)));
+  const glm::dvec3 eye = widest.lens_m + aside;
+  cameras.push_back({"the lens", eye, eye + 8.0 * widest.axis + 0.1 * widest.spread * 8.0 * aside, 50, 8});
   for (const fixtures::Camera& camera : cameras) {
     CAPTURE(camera.name);
     scene.camera = camera;

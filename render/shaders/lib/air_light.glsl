@@ -48,6 +48,7 @@ vec3 air_light(BeamShape beam, BeamRow row, uint index, Medium medium, vec3 eye,
     if (kShadows) {
       ShadowChord ends = shadow_chord(row, beam, whole, ray);
       uint first = shadow_lists[index].first + point * bodies;
+      ends.line = kNoRow;  // rows are those of the camera, and of beams with shadows
       if (kMaps) parts = map_parts(index, ends);
       for (uint n = first; n < first + bodies; ++n) shadow_parts_join(parts, shadow_whole(n), ends);
     }

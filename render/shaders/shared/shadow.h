@@ -382,7 +382,8 @@ FL_FN Real chord_inscatter_shaded(BeamShape beam, Medium medium, Chord chord, Ve
 }
 
 // The light of a chord up to a share x of its measure, as a sum of Legendre polynomials of 2 x - 1: what Gauss nodes of
-// the whole chord interpolate. Each further part of a chord then costs a polynomial, and no light is computed anew.
+// the whole chord interpolate, in even haze. Each further part of a chord then costs a polynomial, and no light is
+// computed anew.
 #define FL_SERIES_NODES_MAX 6
 struct ShadowSeries {
   Real values[FL_SERIES_NODES_MAX + 1];
@@ -393,10 +394,6 @@ FL_FN void shadow_series(BeamShape beam, Medium medium, Chord chord, Vec3 d, uin
                          FL_OUT(ShadowSeries) series) {
   Real mean[FL_SERIES_NODES_MAX + 2];  // of the light times P_k
   for (int k = 0; k < FL_SERIES_NODES_MAX + 2; ++k) mean[k] = Real(0);
-#ifdef FL_HAZE_FIELD
-  HazePieces haze = haze_pieces(chord);
-  Real end = Real(0);
-#endif
   Real measure = chord_measure(chord);
   for (uint i = uint(0); i < n; ++i) {
     Real s;
@@ -404,10 +401,6 @@ FL_FN void shadow_series(BeamShape beam, Medium medium, Chord chord, Vec3 d, uin
     Real x = kGaussNode[gauss_index(n, i)];
     chord_point(chord, x, s, t_m);
     Real weight = kGaussWeight[gauss_index(n, i)];
-#ifdef FL_HAZE_FIELD
-    end += weight;
-    weight *= haze_piece(haze, chord, end);
-#endif
     weight *= measure * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
     Real u = Real(2) * x - Real(1);
     Real before = Real(1);
