@@ -298,6 +298,22 @@ TEST_CASE("rig check names meshes, their images and videos that are missing or d
   CHECK(contains(broken.out, "wall.toml: warnings"));
 }
 
+TEST_CASE("rig check reads rigs whose displays show a media server, and names the server's videos that are damaged") {
+  TempFolder folder;
+  const std::string clip = folder.write("clip.mp4", "no video");
+  const std::string server = folder.write(
+      "server.toml",
+      "[rig]\nname = \"s\"\n[[fixture]]\nname = \"Server\"\ntype = \"generic/media-server\"\nuniverse = 4\naddress = "
+      "1\n"
+      "position = [0, -8, 1]\nmedia = [{ number = 1, color = [1, 0, 0] }, { number = 2, video = \"clip.mp4\" }]\n"
+      "[[display]]\nname = \"Wall\"\nposition = [0, 4, 3]\nwidth_m = 6\nheight_m = 3.4\nsource = \"Server\"\n"
+      "columns = 16\nrows = 9\n");
+  const Outcome checked = footlight({"rig", "check", server});
+  CHECK(checked.exit_code == 0);
+  CHECK(contains(checked.out, clip + ": error: media server 'Server': "));
+  CHECK(contains(checked.out, "server.toml: warnings"));
+}
+
 TEST_CASE("a video that is a folder, a pipe, a link to itself or not there is named as that") {
   namespace fs = std::filesystem;
   TempFolder folder;

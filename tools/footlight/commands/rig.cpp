@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <set>
+#include <string_view>
 
 #include <fmt/chrono.h>
 #include <nlohmann/json.hpp>
@@ -20,6 +21,7 @@
 #include "fixtures/files/import/import_rig.h"
 #include "fixtures/files/import/text.h"
 #include "fixtures/gobos/gobo_images.h"
+#include "fixtures/media/media_server.h"
 #include "fixtures/paperwork/patch_pdf.h"
 #include "fixtures/paperwork/patch_sheet.h"
 #include "fixtures/paperwork/plan.h"
@@ -58,23 +60,34 @@ struct Opened {
   std::vector<Diagnostic> diagnostics;
 };
 
-// Adds one diagnostic for each video of displays and projectors that cannot be shown.
+// Adds one diagnostic for each video of displays, projectors and media servers that cannot be shown.
 void check_videos(const fixtures::Rig& rig, Diagnostics& diagnostics, const fixtures::GoOn& go_on) {
   std::set<std::string> seen;
-  for (std::size_t i = 0; i < fixtures::shown_count(rig); ++i) {
-    const fixtures::Display& display = fixtures::shown_at(rig, i);
-    if (!fixtures::shows_film(display) || !seen.insert(display.video->path).second) continue;
-    if (go_on && !go_on(seen.size(), 0)) return;
-    const auto clip = Clip::open(display.video->path);
-    if (clip) continue;
+  // False: the check was stopped.
+  const auto check = [&](const fixtures::Display& shown, std::string_view kind, std::string_view owner) {
+    if (!shown.video || shown.image || !seen.insert(shown.video->path).second) return true;
+    if (go_on && !go_on(seen.size(), 0)) return false;
+    const auto clip = Clip::open(shown.video->path);
+    if (clip) return true;
     std::string what = clip.error().message;
-    const std::string name = display.video->path + ": ";
+    const std::string name = shown.video->path + ": ";
     if (what.starts_with(name)) what.erase(0, name.size());
     diagnostics.add({Severity::kError,
                      "video",
-                     {display.video->path},
-                     fmt::format("{} '{}': {}", display.type >= 0 ? "projector" : "display", display.name, what),
+                     {shown.video->path},
+                     fmt::format("{} '{}': {}", kind, owner, what),
                      "no picture of the rig can be drawn"});
+    return true;
+  };
+  for (std::size_t i = 0; i < fixtures::shown_count(rig); ++i) {
+    const fixtures::Display& display = fixtures::shown_at(rig, i);
+    if (!check(display, display.type >= 0 ? "projector" : "display", display.name)) return;
+  }
+  for (const fixtures::PatchedFixture& fixture : rig.fixtures) {
+    if (!fixture.media) continue;
+    for (const fixtures::Media& media : fixture.media->media) {
+      if (!check(media.content, "media server", fixture.name)) return;
+    }
   }
 }
 
