@@ -2,8 +2,9 @@
 
 // Whether light at nodes of the whole chord will do: with clouds each part has its own density, wide beams change too
 // much along a chord, and where more nodes are asked for each part has as many.
-const float kSeriesSpread = 0.35;
+const float kSeriesSpread = 0.6;
 const uint kSeriesNodes = kProfile || kNodes > 3u ? 6u : 4u;
+uint series_nodes(BeamShape shape) { return shape.spread > 0.35 ? 6u : kSeriesNodes; }
 bool has_series(BeamRow row, RowLine line) {
 #ifdef FL_HAZE_FIELD
   return false;
@@ -17,10 +18,11 @@ float row_light(uint beam, BeamShape shape, Medium medium, Chord chord, vec3 ray
   // Most pixels of a tile are on one side of a shadow's edge.
   if ((span.changes.x | span.changes.y) == 0u && span.dark != subtracts) return 0.0;
   ShadowSeries series;
-  shadow_series(shape, medium, chord, ray, kSeriesNodes, kExtinction, series);
+  uint nodes = series_nodes(shape);
+  shadow_series(shape, medium, chord, ray, nodes, kExtinction, series);
   float dark = 0.0;
   while ((span.changes.x | span.changes.y) != 0u) {
-    float until = shadow_series_until(series, kSeriesNodes, row_next(span));
+    float until = shadow_series_until(series, nodes, row_next(span));
     dark += span.dark ? until : -until;
     span.dark = !span.dark;
   }
