@@ -130,9 +130,9 @@ TEST_CASE("a window that is killed with unsaved edits and a recording leaves bot
     window.key("ctrl+a");
     window.key("ctrl+Right");
     CHECK(window.prints("\"unsaved\":true"));
-    CHECK(until([&] {
+    CHECK(until([&] {  // until the last file of the automatic copy is written
       for (const auto& entry : fs::recursive_directory_iterator(folder.file("state"))) {
-        if (entry.path().filename() == "about.toml") return true;
+        if (entry.path().filename() == "rig.toml") return true;
       }
       return false;
     }));
