@@ -23,6 +23,10 @@ Result<VkShaderModule> make_module(Device& device, Spirv spirv) {
   return module;
 }
 
+bool is_buffer(VkDescriptorType type) {
+  return type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER || type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+}
+
 }  // namespace
 
 Result<BindingSet> BindingSet::create(Device& device, const Pipeline& pipeline, const BindingTable& table) {
@@ -53,7 +57,7 @@ Result<BindingSet> BindingSet::create(Device& device, const Pipeline& pipeline, 
     writes[i].dstBinding = bindings[i].binding;
     writes[i].descriptorCount = 1;
     writes[i].descriptorType = bindings[i].type;
-    if (bindings[i].type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) {
+    if (is_buffer(bindings[i].type)) {
       FL_CHECK(entry->buffer != VK_NULL_HANDLE);
       buffers[i] = {entry->buffer, 0, VK_WHOLE_SIZE};
       writes[i].pBufferInfo = &buffers[i];

@@ -68,13 +68,14 @@ const Type* pointee(const Module& module, std::uint32_t pointer) {
 
 Result<VkDescriptorType> descriptor_of(const Variable& variable, const Type& type, std::uint32_t binding) {
   if (variable.storage == kStorageBuffer && type.op == kOpTypeStruct) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  if (variable.storage == kUniform && type.op == kOpTypeStruct) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
   if (variable.storage == kUniformConstant && type.op == kOpTypeSampledImage) {
     return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
   }
   const bool image = variable.storage == kUniformConstant && type.op == kOpTypeImage && type.operands.size() > 5;
   if (image && type.operands[5] == kImageForStorage) return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
   return fail(ErrorCode::kUnsupported,
-              "binding {} of a shader: expected a storage buffer, a storage image or a combined image sampler",
+              "binding {} of a shader: expected a buffer, a storage image or a combined image sampler",
               binding);
 }
 

@@ -25,7 +25,7 @@ struct ShaderInterface {
   std::uint32_t push_bytes = 0;         // 0: the shader has no push constants
 };
 
-// Storage buffers, storage images and combined image samplers, one descriptor each; push constants of 32-bit scalars.
+// Buffers, storage images and combined image samplers, one descriptor each; push constants of 32-bit scalars.
 // kUnsupported for anything else, kBadInput for words that are no SPIR-V.
 [[nodiscard]] Result<ShaderInterface> read_interface(Spirv spirv);
 // The interface of a pipeline of several stages. A binding has the same type in all of them.

@@ -4,7 +4,8 @@
 #include "fixtures/shared/tables.h"
 #include "render/shaders/shared/frame_io.h"
 
-layout(set = 0, binding = FL_BINDING_PARAMS, std430) readonly buffer ParamsBuffer { FrameParams params; };
+// A uniform buffer: the same for all threads, which drivers then read once, without a loop over lanes or a register.
+layout(set = 0, binding = FL_BINDING_PARAMS, std140) uniform ParamsBuffer { FrameParams params; };
 
 #ifdef FL_USE_HEADS
 #include "sim/shared/turns.h"
