@@ -314,6 +314,19 @@ TEST_CASE("rig check reads rigs whose displays show a media server, and names th
   CHECK(contains(checked.out, "server.toml: warnings"));
 }
 
+TEST_CASE("tubes are shown as what they are, not as the beams of their types") {
+  const std::string strobe = FOOTLIGHT_SOURCE_DIR "/fixtures/builtin/strobe.toml";
+  const Outcome shown = footlight({"fixtures", "show", strobe});
+  INFO(shown.err);
+  CHECK(contains(shown.out, "(tube)"));
+  CHECK(contains(shown.out, "60000 lm, "));
+  CHECK(contains(shown.out, "0.4 m long and 0.06 m wide, 7.958e+05 cd/m2 to all directions before it"));
+  CHECK(!contains(shown.out, "field"));
+  const Outcome optics = footlight({"fixtures", "show", strobe, "--optics"});
+  CHECK(contains(optics.out, "60000 lm, a tube 0.4 m long and 0.06 m wide: drawn as a face of 7.958e+05 cd/m2, "
+                             "1.91e+04 cd straight before it, 9549 cd at 60 degrees"));
+}
+
 TEST_CASE("a video that is a folder, a pipe, a link to itself or not there is named as that") {
   namespace fs = std::filesystem;
   TempFolder folder;
@@ -481,6 +494,14 @@ TEST_CASE("list prints definitions that have all words with their modes, and fil
   CHECK(contains(broken[0]["error"].get<std::string>(), "cut.qxf:1"));
   const Outcome builtin = list({"generic", "profile"});
   CHECK(contains(builtin.out, "  generic/profile\n"));
+  const auto kind_of = [&](const char* word, const char* file) {
+    for (const Json& one : lines_of(list({"generic", word, "--json"}).out)) {
+      if (one["file"] == file) return one["kind"].get<std::string>();
+    }
+    return std::string("not listed");
+  };
+  CHECK(kind_of("strobe", "generic/strobe") == "strobe");
+  CHECK(kind_of("media", "generic/media-server") == "media server");
   const Outcome none = list({"qqqzzzxxx"});
   CHECK(none.exit_code == 3);
   CHECK(contains(none.err, "no definition has all words of 'qqqzzzxxx'"));

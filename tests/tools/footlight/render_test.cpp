@@ -382,6 +382,34 @@ TEST_CASE("report refuses a rig without levels, and measures it with --lit") {
   }
 }
 
+TEST_CASE("report measures displays that shine in a rig that nothing drives, and says when they are dark") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  const auto report = [&](const std::string& display, std::vector<std::string> more) {
+    std::ofstream(folder.file("rig.toml")) << kOnePar << kFrontCamera
+                                           << "[[display]]\nposition = [0, 4, 2]\nwidth_m = 4\nheight_m = 2\n"
+                                           << display;
+    more.insert(more.begin(), {"report", folder.file("rig.toml"), "--pictures", "--quick", "--runs", "3", "--size",
+                               "64x36", "--json", "--judge-pixels", "100"});
+    return Footlight(more, kNoLeaks).wait();
+  };
+  const Outcome lit = report("", {});
+  INFO(lit.err);
+  REQUIRE(lit.exit_code == 0);
+  CHECK(contains(lit.err, "no lamp is lit: the report is of displays alone"));
+  const auto row = nlohmann::json::parse(lit.out.substr(0, lit.out.find('\n')));
+  CHECK(row["rel_l2"].get<double>() > 0);
+  CHECK(row["rel_l2"].get<double>() < 1e-1);
+  const Outcome dark = report("universe = 9\n", {});
+  CHECK(dark.exit_code == 2);
+  CHECK(contains(dark.err, "nothing in it shines by itself (1 fixture, 1 display); use --log, --lit or --set"));
+  CHECK(dark.out.empty());
+  const Outcome black = report("universe = 9\n", {"--set", "Dimmer=0"});
+  CHECK(black.exit_code == 2);
+  CHECK(contains(black.err, "no beam is lit and no display shines (1 fixture, 1 display, all dark)"));
+}
+
 TEST_CASE("report measures a rig that has only lasers, and lasers beside beams") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

@@ -3,7 +3,10 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <string>
+#include <vector>
 
+#include "fixtures/displays/screens.h"
 #include "fixtures/model/color.h"
 #include "fixtures/photometry/attach.h"
 #include "fixtures/photometry/fit.h"
@@ -13,6 +16,40 @@ namespace footlight::tools {
 
 using namespace fixtures;
 
+namespace {
+
+// How the geometries of a beam draw it: sizes of its tubes, each once, and whether some draw it as a beam.
+struct BeamUse {
+  std::vector<glm::dvec2> tubes_m;
+  bool as_beam = false;
+};
+BeamUse use_of(const FixtureType& type, std::size_t beam) {
+  BeamUse use;
+  bool any = false;
+  for (const Mode& mode : type.modes) {
+    for (const Geometry& geometry : mode.geometries) {
+      if (geometry.beam != static_cast<int>(beam)) continue;
+      any = true;
+      const glm::dvec2 size = geometry.tube_m;
+      use.as_beam = use.as_beam || size == glm::dvec2(0);
+      const bool is_new = std::find(use.tubes_m.begin(), use.tubes_m.end(), size) == use.tubes_m.end();
+      if (size != glm::dvec2(0) && is_new) use.tubes_m.push_back(size);
+    }
+  }
+  use.as_beam = use.as_beam || !any;
+  return use;
+}
+
+std::string tube_line(const Beam& beam, const glm::dvec2& size_m) {
+  return fmt::format(
+      "  {:.5g} lm, a tube {:.4g} m long and {:.4g} m wide: drawn as a face of {:.4g} cd/m2, {:.4g} cd straight before "
+      "it, {:.4g} cd at 60 degrees\n",
+      beam.flux_lm, std::max(size_m.x, size_m.y), std::min(size_m.x, size_m.y), tube_nits(beam, size_m),
+      beam.flux_lm / std::numbers::pi, beam.flux_lm / std::numbers::pi / 2);
+}
+
+}  // namespace
+
 std::string optics_of_type(const FixtureType& type) {
   std::string text;
   const auto out = std::back_inserter(text);
@@ -20,7 +57,16 @@ std::string optics_of_type(const FixtureType& type) {
     text += "Beams as drawn: angles at 50 % and 10 % of the peak, and the larger of their errors\n";
   }
   std::vector<std::string> seen;
-  for (const Beam& beam : type.beams) {
+  const auto add_line = [&](const std::string& line) {
+    if (std::find(seen.begin(), seen.end(), line) != seen.end()) return;  // pixels are all equal
+    seen.push_back(line);
+    text += line;
+  };
+  for (std::size_t i = 0; i < type.beams.size(); ++i) {
+    const Beam& beam = type.beams[i];
+    const BeamUse use = use_of(type, i);
+    for (const glm::dvec2& tube_m : use.tubes_m) add_line(tube_line(beam, tube_m));
+    if (!use.as_beam) continue;
     const BeamFit fit = drawn_beam(beam);
     std::string line;
     if (!beam.photometry.empty()) {
@@ -50,9 +96,7 @@ std::string optics_of_type(const FixtureType& type) {
           beam.flux_lm, beam.beam_angle_deg, beam.field_angle_deg, fit.beam_angle_deg, fit.field_angle_deg,
           100 * fit.angle_error, fit.peak_cd, fit.assumed.empty() ? "" : "; ", fit.assumed);
     }
-    if (std::find(seen.begin(), seen.end(), line) != seen.end()) continue;  // pixels are all equal
-    seen.push_back(line);
-    text += line;
+    add_line(line);
   }
   const std::vector<ColorError> rows = color_report(type);
   if (rows.empty()) return text;

@@ -144,11 +144,14 @@ class Writer {
     const std::vector<fixtures::Screen> screens = screens_of(type_, mode);
     for (const Geometry& geometry : mode.geometries) {
       depths.push_back(geometry.parent == kNoIndex ? 0 : depths[index(geometry.parent)] + 1);
-      std::string text = fmt::format("{} ({})", geometry.name, kind_name(geometry.kind));
+      std::string text = fmt::format("{} ({})", geometry.name, is_tube(geometry) ? "tube" : kind_name(geometry.kind));
       const glm::dvec3 at(geometry.pose[3]);
       if (at != glm::dvec3(0)) text += fmt::format(" at {:.4g} {:.4g} {:.4g} m", at.x, at.y, at.z);
       if (geometry.model != kNoIndex) text += ", body " + type_.models[index(geometry.model)].name;
-      if (geometry.beam != kNoIndex) text += ", " + beam(type_.beams[index(geometry.beam)]);
+      if (geometry.beam != kNoIndex) {
+        const Beam& its = type_.beams[index(geometry.beam)];
+        text += ", " + (is_tube(geometry) ? tube(its, geometry.tube_m) : beam(its));
+      }
       if (geometry.laser != kNoIndex) text += ", " + laser(type_.lasers[index(geometry.laser)]);
       for (const fixtures::Screen& screen : screens) {
         if (&mode.geometries[index(screen.geometry)] != &geometry) continue;
@@ -180,6 +183,16 @@ class Writer {
       case GeometryKind::kMagnet: return "magnet";
     }
     return "part";
+  }
+
+  static bool is_tube(const Geometry& geometry) {
+    return geometry.beam != kNoIndex && geometry.tube_m != glm::dvec2(0);
+  }
+
+  static std::string tube(const Beam& beam, const glm::dvec2& size_m) {
+    return fmt::format("{:.5g} lm, {:.5g} K, {:.3g} m long and {:.3g} m wide, {:.4g} cd/m2 to all directions before it",
+                       beam.flux_lm, beam.color_temperature_k, std::max(size_m.x, size_m.y),
+                       std::min(size_m.x, size_m.y), tube_nits(beam, size_m));
   }
 
   static std::string beam(const Beam& beam) {

@@ -397,20 +397,22 @@ bool HandLevels::encode(std::size_t index, std::string_view attribute, double va
 Status set_by_hand(const std::string& text, const fixtures::Rig& rig, HandLevels& hand) {
   const std::size_t equals = text.rfind('=');
   const std::size_t colon = equals == std::string::npos ? std::string::npos : text.rfind(':', equals);
+  const auto expected = [&](std::string_view what) {
+    return fail(ErrorCode::kBadInput, "--set {}: expected {}, for example Iris=0.5 or Spot 1:Iris=0.5", text, what);
+  };
+  if (equals == std::string::npos) return expected("ATTRIBUTE=NUMBER or FIXTURE:ATTRIBUTE=NUMBER");
+  const std::string number = text.substr(equals + 1);
   double value = 0;
-  const char* end = text.data() + text.size();
-  bool sound = equals != std::string::npos;
-  if (sound) {
-    const auto [at, fault] = std::from_chars(text.data() + equals + 1, end, value);
-    sound = fault == std::errc() && at == end;
-  }
-  if (!sound) {
-    return fail(ErrorCode::kBadInput,
-                "--set {}: expected ATTRIBUTE=NUMBER or FIXTURE:ATTRIBUTE=NUMBER, for example Iris=0.5", text);
+  const auto [at, fault] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (number.empty()) return expected("a number behind =, got nothing");
+  if (fault != std::errc() || at != number.data() + number.size() || !std::isfinite(value)) {
+    return expected(fmt::format("a finite number behind =, got {}", number));
   }
   const std::string name = colon == std::string::npos ? "" : text.substr(0, colon);
   const std::size_t begin = colon == std::string::npos ? 0 : colon + 1;
   const std::string attribute = text.substr(begin, equals - begin);
+  if (attribute.empty()) return expected("the name of an attribute before =, got nothing");
+  if (colon == 0) return expected("the name of a fixture before the colon, got nothing");
   bool known = name.empty();
   bool any = false;
   for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {

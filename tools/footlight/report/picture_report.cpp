@@ -13,6 +13,7 @@
 #include "render/rivals/rivals.h"
 #include "tools/footlight/report/judged_scene.h"
 #include "tools/footlight/report/laser_report.h"
+#include "tools/footlight/report/other_light.h"
 
 namespace footlight::tools {
 
@@ -307,12 +308,13 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
   if (report.ended) return {};
   FL_ASSIGN(const CountsRow counts, frame->read_counts());
   FL_ASSIGN(report.lasers.lit, lit_lasers(scene));
-  if (counts.live_count == 0 && !scene.compiled.needs.panes && !scene.compiled.needs.displays) {
+  if (counts.live_count == 0 && !other_light(scene).any()) {
     if (report.lasers.lit == 0) {
+      const std::string lights = lights_of(scene.rig);
       return fail(ErrorCode::kBadInput,
-                  "{}: no beam is lit, so no error can be measured; use --log with an --at at which a beam is lit, "
-                  "--lit or --set",
-                  scene.name);
+                  "{}: no beam is lit and no display shines ({}), so no error can be measured; use --log with an --at "
+                  "at which one is lit, --lit or --set",
+                  scene.name, lights.empty() ? "the rig has neither" : lights + ", all dark");
     }
     report.only_lasers = true;
   }

@@ -27,6 +27,7 @@
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/report/chosen_knobs.h"
 #include "tools/footlight/report/left_out.h"
+#include "tools/footlight/report/other_light.h"
 #include "tools/footlight/report/picture_report.h"
 #include "tools/footlight/report/report_fleet.h"
 #include "tools/footlight/report/report_parts.h"
@@ -116,6 +117,22 @@ class AirWatch {
   double ns_ = 0;
 };
 
+// Of a rig that nothing drives: passes if anything shines all the same, and says what.
+Status expect_other_light(const Scene& scene, const std::string& name) {
+  const OtherLight light = other_light(scene);
+  const std::string lights = lights_of(scene.rig);
+  if (!light.any()) {
+    return fail(ErrorCode::kBadInput,
+                "{}: nothing drives the rig, and nothing in it shines by itself ({}); use --log, --lit or --set", name,
+                lights.empty() ? "it has no fixture and no display" : lights);
+  }
+  fmt::print(stderr,
+             "footlight: {}: nothing drives the rig, so no lamp is lit: the report is of {} alone; --log, --lit or "
+             "--set light lamps\n",
+             name, !light.displays ? "sunlight" : light.sun ? "displays and sunlight" : "displays");
+  return {};
+}
+
 // The scene at a time of the log. Motors start at their targets, so that GPU and judge start from the same state
 // without a history. Haze and fog that machines have added by then count as haze of the room.
 Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& arguments, double aspect,
@@ -124,10 +141,6 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
   const bool by_hand = arguments.lit || !arguments.sets.empty();
   if (by_hand && (!files.log.empty() || arguments.files.demo)) {
     return fail(ErrorCode::kBadInput, "--lit and --set cannot be used with a log or --demo; leave out one of them");
-  }
-  if (!by_hand && files.log.empty() && !files.demo) {
-    return fail(ErrorCode::kBadInput, "{}: nothing drives the rig, so its picture is black; use --log, --lit or --set",
-                printable_utf8(files.rig));
   }
   Scene scene;
   FL_ASSIGN(scene.rig, load_scene_rig(files));
@@ -158,8 +171,11 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
     if (watch) watch->step(scene.levels, at_ns);
     if (media) media->step(scene.levels, at_ns);
   }
+  const bool driven = by_hand || log || files.demo;
+  if (!driven && media) media->step(scene.levels, at_ns);
   if (media) FL_TRY(hold_media(scene.rig, *media));
   fixtures::hold_projections(scene.rig, scene.compiled, scene.levels);
+  if (!driven) FL_TRY(expect_other_light(scene, printable_utf8(files.rig)));
   if (watch) {
     air = watch->report(scene.rig.room);
     scene.rig.haze.scattering_per_m += air->haze_per_m + air->fog_per_m;
@@ -221,6 +237,7 @@ std::string intro_of(const Scene& scene, const PictureArguments& arguments, cons
 
 // How the beams of the whole frame are computed.
 std::string classes_text(const ClassShares& classes) {
+  if (!(classes.hits_per_px > 0)) return "No beam but those of lasers is in the picture.";
   return fmt::format(
       "Its beams, {:.1f} a pixel: {:.1f} % computed pixel by pixel, {:.1f} % together as smooth, {:.1f} % together but "
       "for "

@@ -160,6 +160,16 @@ void RigEditor::draw(UiDesk& desk, float scale) {
   ImGui::EndPopup();
 }
 
+namespace {
+
+std::string news_of(UiDesk& desk, Result<fixtures::RigEdit> edit) {
+  const std::string text = edit ? edit->text : "";
+  const Status edited = desk.edit(std::move(edit));
+  return edited ? trf("{} (Ctrl+Z brings it back)", tr_known(text)) : tr_known(edited.error().message);
+}
+
+}  // namespace
+
 void RigEditor::draw_menu(UiDesk& desk, const std::vector<int>& which) {
   if (which.empty()) return;
   const fixtures::PatchedFixture first = first_of(desk, which);
@@ -182,22 +192,16 @@ void RigEditor::draw_menu(UiDesk& desk, const std::vector<int>& which) {
   ImGui::Separator();
   if (ImGui::MenuItem(tr_label("Clone..."))) open(desk, Field::kClone, which);
   if (ImGui::MenuItem(tr_label("Unpatch"))) edit = fixtures::unpatch_fixtures(desk.edited(), which);
-  if (ImGui::MenuItem(tr_label("Delete"), tr("Del"))) edit = fixtures::delete_fixtures(desk.edited(), which);
+  if (ImGui::MenuItem(tr_label("Delete"), tr("Del"))) {
+    desk.begin_gesture();
+    desk.tell(news_of(desk, fixtures::delete_fixtures(desk.edited(), which)));
+    desk.begin_gesture();
+  }
   if (!edit) return;
   desk.begin_gesture();
   if (const Status edited = desk.edit(std::move(*edit)); !edited) desk.tell(tr_known(edited.error().message));
   desk.begin_gesture();
 }
-
-namespace {
-
-std::string news_of(UiDesk& desk, Result<fixtures::RigEdit> edit) {
-  const std::string text = edit ? edit->text : "";
-  const Status edited = desk.edit(std::move(edit));
-  return edited ? trf("{} (Ctrl+Z brings it back)", tr_known(text)) : tr_known(edited.error().message);
-}
-
-}  // namespace
 
 std::string delete_selected(UiDesk& desk) {
   if (!desk.can_edit() || desk.selected().empty()) return "";
