@@ -280,6 +280,13 @@ TEST_CASE("texels of a film are means over the picture, with levels that are mea
 TEST_CASE("texels of a film are where those of an image that stands are, to a part of a texel") {
   fixtures::Projector projector;
   projector.lens_shift = {0.13, -0.31};
+  bool is_changed = false;
+  SUBCASE("of the picture") {}
+  SUBCASE("of a picture with a keystone and a blend") {
+    is_changed = true;
+    projector.keystone = {{0.1, -0.05}, {-0.2, 0}, {0, 0.01}, {-0.1, 0.15}};
+    projector.blend = {0.2, 0, 0, 0.1, 1.5};
+  }
   const auto picture = blocks_of(5);
   const fixtures::ImageSource source{fixtures::projector_files(projector, picture),
                                      std::string(fixtures::kProjectorImage), false, true};
@@ -288,7 +295,11 @@ TEST_CASE("texels of a film are where those of an image that stands are, to a pa
   for (const int size_px : {1024, 512, 128}) {
     CAPTURE(size_px);
     const std::vector<float> still = must(fixtures::gobo_texels(source, size_px, 0.1));
-    const FilmTexels film = film_texels(*picture, glm::vec3(1), part, size_px);
+    CHECK(changes_on_panel(projector) == is_changed);
+    const FilmTexels film =
+        is_changed ? film_texels(fixtures::PanelFilm(projector, part.columns, part.rows).shown(*picture), glm::vec3(1),
+                                 part, size_px)
+                   : film_texels(*picture, glm::vec3(1), part, size_px);
     const FilmLevel& level = film.levels.at(0);
     double worst = 0;
     for (int y = 0; y < size_px; ++y) {
