@@ -145,8 +145,9 @@ Status GoboFilms::create(vk::Device& device, const MemoryShape& shape, const Rig
     const fixtures::FixtureType& type = shape.rig.types[static_cast<std::size_t>(display.type)];
     Film film;
     film.display = display;
-    film.part = fixtures::picture_part(fixtures::projected_frame(*type.said_by_rig.projector),
-                                       fixtures::kProjectorGoboPx);
+    const fixtures::Projector& projector = *type.said_by_rig.projector;
+    film.part = fixtures::picture_part(fixtures::projected_frame(projector), fixtures::kProjectorGoboPx);
+    if (changes_on_panel(projector)) film.panel.emplace(projector, film.part.columns, film.part.rows);
     const auto& images = shape.compiled.images;
     const auto own = std::find_if(images.begin(), images.end(),
                                   [&](const fixtures::ImageSource& image) { return image.files == type.files; });
@@ -184,6 +185,7 @@ void GoboFilms::record(VkCommandBuffer commands, const RigTables& rig, std::span
       vk::change_layout(commands, rig.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                         VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     }
+    if (film.panel) film.pixels = std::make_shared<const fixtures::PaneImage>(film.panel->shown(*film.pixels));
     const FilmTexels made = film_texels(*film.pixels, glm::vec3(film.display.color), film.part, size_px_);
     film.pixels.reset();
     std::memcpy(static_cast<std::byte*>(staged_.mapped) + film.staged, made.texels.data(), made.texels.size());

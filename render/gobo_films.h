@@ -52,6 +52,7 @@ class GoboFilms {
   struct Film {
     fixtures::Display display;
     fixtures::GoboPart part;
+    std::optional<fixtures::PanelFilm> panel;  // of a projector whose panel shows something else than the picture
     bool has_layer = false;  // a beam shows it
     std::uint32_t layer = 0;
     VkDeviceSize staged = 0;                            // bytes, in staged_

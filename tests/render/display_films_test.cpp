@@ -179,13 +179,14 @@ void compile_unpatched(Scene& scene) {
 }
 
 // A projector with a pixel map of 8 x 4 pixels on a wall, in haze.
-Scene projector_scene() {
+Scene projector_scene(const std::string& keys) {
   Scene scene;
   scene.rig = must(fixtures::parse_rig(
       "[rig]\nname = \"P\"\nambient_lx = 0\n[haze]\nscattering_per_m = 0.02\n"
       "[[projector]]\nposition = [0, -4, 3]\naim = [0, 4, 2]\nthrow_ratio = 1.5\n"
-      "content = { universe = 1, columns = 8, rows = 4, color = [1, 0.8, 0.6] }\n"
-      "[[box]]\nname = \"Wall\"\nmin = [-6, 4, 0]\nmax = [6, 4.2, 6]\nalbedo = [0.6, 0.6, 0.6]\n"
+      "content = { universe = 1, columns = 8, rows = 4, color = [1, 0.8, 0.6] }\n" +
+          keys +
+          "[[box]]\nname = \"Wall\"\nmin = [-6, 4, 0]\nmax = [6, 4.2, 6]\nalbedo = [0.6, 0.6, 0.6]\n"
       "[[camera]]\nname = \"main\"\nposition = [-3, -6, 2]\ntarget = [0, 4, 2]\nfov_deg = 45\n",
       "projector.toml"));
   compile_unpatched(scene);
@@ -213,10 +214,15 @@ double difference(const std::vector<float>& a, const std::vector<float>& b) {
 }
 
 TEST_CASE("a projector whose picture changes throws what one with an image of the same pixels throws") {
+  std::string keys;
+  SUBCASE("that fills its panel") {}
+  SUBCASE("that has a keystone and a blend") {
+    keys = "keystone = { top_left = [0.2, 0], bottom_right = [-0.1, 0.3] }\nblend = { left = 0.3, gamma = 2 }\n";
+  }
   HeadlessVulkan vulkan;
-  Scene scene = projector_scene();
+  Scene scene = projector_scene(keys);
   const auto still = [&](const std::shared_ptr<const fixtures::PaneImage>& image) {
-    Scene other = projector_scene();
+    Scene other = projector_scene(keys);
     fixtures::Projector projector = *other.rig.types.at(0).said_by_rig.projector;
     fixtures::Display content = *projector.content;
     content.map.reset();
@@ -249,7 +255,7 @@ TEST_CASE("a projector whose picture changes throws what one with an image of th
   must(frame->draw(view_of(scene.rig.cameras[0]), 5));
   CHECK(difference(must(frame->read_radiance()).rgb, first) < 0.01);
   // Pixels from a video.
-  scene = projector_scene();
+  scene = projector_scene(keys);
   scene.rig.projections.at(0).map.reset();
   scene.rig.projections[0].video.emplace();
   compile_unpatched(scene);
@@ -280,6 +286,13 @@ TEST_CASE("texels of a film are means over the picture, with levels that are mea
 TEST_CASE("texels of a film are where those of an image that stands are, to a part of a texel") {
   fixtures::Projector projector;
   projector.lens_shift = {0.13, -0.31};
+  bool is_changed = false;
+  SUBCASE("of the picture") {}
+  SUBCASE("of a picture with a keystone and a blend") {
+    is_changed = true;
+    projector.keystone = {{0.1, -0.05}, {-0.2, 0}, {0, 0.01}, {-0.1, 0.15}};
+    projector.blend = {0.2, 0, 0, 0.1, 1.5};
+  }
   const auto picture = blocks_of(5);
   const fixtures::ImageSource source{fixtures::projector_files(projector, picture),
                                      std::string(fixtures::kProjectorImage), false, true};
@@ -288,7 +301,11 @@ TEST_CASE("texels of a film are where those of an image that stands are, to a pa
   for (const int size_px : {1024, 512, 128}) {
     CAPTURE(size_px);
     const std::vector<float> still = must(fixtures::gobo_texels(source, size_px, 0.1));
-    const FilmTexels film = film_texels(*picture, glm::vec3(1), part, size_px);
+    CHECK(changes_on_panel(projector) == is_changed);
+    const FilmTexels film =
+        is_changed ? film_texels(fixtures::PanelFilm(projector, part.columns, part.rows).shown(*picture), glm::vec3(1),
+                                 part, size_px)
+                   : film_texels(*picture, glm::vec3(1), part, size_px);
     const FilmLevel& level = film.levels.at(0);
     double worst = 0;
     for (int y = 0; y < size_px; ++y) {

@@ -79,6 +79,31 @@ TEST_CASE("the lumens of a projector arrive within its picture, which is where t
   }
 }
 
+TEST_CASE("a keystone leaves a place its light, and blackens what is outside") {
+  const std::string optics = "throw_ratio = 2\naspect = 1.6\nlens_radius_m = 0.001\n";
+  const Wall plain(optics), moved(optics + "keystone = { top_left = [0.25, 0], top_right = [-0.25, 0] }\n");
+  const double width_m = kWallM / 2, height_m = width_m / 1.6;
+  double inside_lm = 0, plain_lm = 0;
+  constexpr int kNodes = 120;
+  for (int i = 0; i < kNodes; ++i) {
+    for (int j = 0; j < kNodes; ++j) {
+      const double u = (i + 0.5) / kNodes - 0.5, v = (j + 0.5) / kNodes - 0.5;
+      const double half = 0.5 - 0.25 * (v + 0.5);  // of the picture's width at this height
+      const double before_lx = plain.lx(u * width_m, v * height_m), after_lx = moved.lx(u * width_m, v * height_m);
+      if (std::abs(u) < half - 0.01 && std::abs(v) < 0.49) {
+        CHECK(after_lx == doctest::Approx(before_lx).epsilon(1e-6));
+        inside_lm += after_lx * width_m * height_m / (kNodes * kNodes);
+      } else if (std::abs(u) > half + 0.01) {
+        CHECK(after_lx == 0);
+      }
+      plain_lm += before_lx * width_m * height_m / (kNodes * kNodes);
+    }
+  }
+  CHECK(plain_lm == doctest::Approx(5000).epsilon(0.02));
+  CHECK(inside_lm < 0.85 * plain_lm);
+  CHECK(inside_lm > 0.65 * plain_lm);
+}
+
 TEST_CASE("a dimmed projector without levels is dark, and one without an address is at full") {
   CHECK(Wall("throw_ratio = 2\n").lx(0, 0) > 100);
   const fixtures::Rig rig = must(fixtures::parse_rig(

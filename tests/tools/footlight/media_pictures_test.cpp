@@ -90,6 +90,112 @@ TEST_CASE("displays get a content in their own pixels, and nothing while nothing
   CHECK(taken.of[1].texels[0].g == doctest::Approx(0.2));
 }
 
+// A wall of 8 x 4 pixels, and a server with a picture of 16 x 8, of which each second pixel is white (1), the same in
+// the quarter at the top right (2), even light (3) and a video (4).
+fixtures::Rig placed_rig(const testing::TempFolder& folder) {
+  write_clip(folder.file("a.mkv"), 3);
+  std::vector<std::uint8_t> fine;
+  for (int i = 0; i < 16 * 8; ++i) fine.insert(fine.end(), 3, (i + i / 16) % 2 == 0 ? 255 : 0);
+  const auto png = fixtures::png_of(16, 8, 3, fine);
+  std::ofstream(folder.file("a.png"), std::ios::binary)
+      << std::string(reinterpret_cast<const char*>(png.data()), png.size());
+  return must(fixtures::parse_rig(
+      "[rig]\nname = \"x\"\n[[fixture]]\nname = \"Server\"\ntype = \"generic/media-server\"\nmode = \"70 channels\"\n"
+      "universe = 1\naddress = 1\nposition = [0, 0, 0]\nmedia = [\n{ number = 1, image = \"a.png\" },\n"
+      "{ number = 2, image = \"a.png\", place = [0.25, 0.25], scale = 0.5 },\n{ number = 3 },\n"
+      "{ number = 4, video = \"a.mkv\" }]\n"
+      "[[display]]\nposition = [0, 2, 1]\nwidth_m = 2\nheight_m = 1\ncolumns = 8\nrows = 4\nsource = \"Server\"\n",
+      folder.file("rig.toml")));
+}
+
+// Levels of "70 channels" with the first two layers.
+struct LayerLevels {
+  int content = 0, right = 128, up = 128, scale = 64, turn = 128, blend = 0, dimmer = 255;
+};
+std::vector<std::uint8_t> levels_of(const LayerLevels& below, const LayerLevels& above) {
+  std::vector<std::uint8_t> levels(512, 0);
+  levels[0] = 255;
+  std::size_t at = 1;
+  for (const LayerLevels* layer : {&below, &above}) {
+    const auto set = [&](std::size_t slot, int level) { levels[at + slot] = static_cast<std::uint8_t>(level); };
+    set(0, layer->dimmer), set(2, layer->content), set(4, 128), set(5, 255), set(6, 255), set(7, 255);
+    set(8, layer->right), set(10, layer->up), set(12, layer->scale), set(14, layer->turn), set(16, layer->blend);
+    at += 17;
+  }
+  return levels;
+}
+
+TEST_CASE("layers are where their channels place them, with all pixels of their content, over those below") {
+  const testing::TempFolder folder;
+  const fixtures::Rig rig = placed_rig(folder);
+  const auto player = fixtures::MediaPlayer::make(rig, must(fixtures::compile(rig)));
+  MediaPictures pictures = must(MediaPictures::open(rig, ClipPace::kExact));
+  Taken taken;
+  const auto show = [&](const LayerLevels& below, const LayerLevels& above = {}) {
+    player->step(levels_of(below, above), 0);
+    taken.times = 0;
+    must(pictures.give_changes(*player, taken.give()));
+    return taken.of[0].texels;
+  };
+  const auto grey = [](float light) { return std::vector<glm::vec3>(8 * 4, glm::vec3(light)); };
+  CHECK(show({.content = 1}) == grey(0.5f));  // a pixel of the wall covers four of the image
+  CHECK(show({.content = 1}) == grey(0.5f));
+  CHECK(taken.times == 0);
+  // Twice as large, each pixel of the wall is one of the image: the middle quarter.
+  std::vector<glm::vec3> fine;
+  for (int i = 0; i < 8 * 4; ++i) fine.emplace_back((i + i / 8) % 2 == 0 ? 1.0f : 0.0f);
+  CHECK(show({.content = 1, .scale = 128}) == fine);
+  // Half as large, and a quarter of a width to the right.
+  const auto placed = show({.content = 3, .right = 160, .scale = 32});
+  for (int i = 0; i < 8 * 4; ++i) {
+    CHECK(placed[static_cast<std::size_t>(i)].r == (i % 8 >= 4 && i / 8 >= 1 && i / 8 < 3 ? 1.0f : 0.0f));
+  }
+  CHECK(show({.content = 3, .scale = 0}) == grey(0));
+  CHECK(show({.content = 3, .right = 255, .scale = 32}) == grey(0));  // off the wall
+  // A content with a place of its own, over even light of half.
+  const auto over = show({.content = 3, .dimmer = 128}, {.content = 2});
+  const float half = over[0].r;
+  CHECK(half == doctest::Approx(128.0 / 255));
+  for (int i = 0; i < 8 * 4; ++i) {
+    CHECK(over[static_cast<std::size_t>(i)].r == (i % 8 >= 4 && i / 8 < 2 ? 0.5f : half));
+  }
+  // Its layer moves it as a whole: to the middle, twice as large, it fills the wall.
+  CHECK(show({.content = 2, .right = 64, .up = 64, .scale = 128}) == grey(0.5f));
+  const auto added = show({.content = 3, .dimmer = 128}, {.content = 2, .blend = 40});
+  CHECK(added[7].r == doctest::Approx(1));
+  CHECK(added[0].r == half);
+  // Turned by half a turn it is at the bottom left.
+  const auto turned = show({.content = 2, .turn = 192});
+  CHECK(turned[3 * 8].r == doctest::Approx(0.5));
+  CHECK(turned[7].r == 0);
+}
+
+TEST_CASE("a dimmer of a placed layer mixes pixels that stay, and a video in one has pixels to be enlarged") {
+  const testing::TempFolder folder;
+  const fixtures::Rig rig = placed_rig(folder);
+  const auto player = fixtures::MediaPlayer::make(rig, must(fixtures::compile(rig)));
+  MediaPictures pictures = must(MediaPictures::open(rig, ClipPace::kExact));
+  Taken taken;
+  const auto show = [&](const LayerLevels& layer) {
+    player->step(levels_of(layer, {}), 0);
+    must(pictures.give_changes(*player, taken.give()));
+    return taken.of[0];
+  };
+  const auto whole = show({.content = 1, .scale = 40, .turn = 140});
+  const auto dimmed = show({.content = 1, .scale = 40, .turn = 140, .dimmer = 51});
+  for (std::size_t i = 0; i < whole.texels.size(); ++i) {
+    CHECK(dimmed.texels[i].g == doctest::Approx(0.2 * whole.texels[i].g));
+  }
+  fixtures::Display as_shown = display_of(folder.file("a.mkv"));
+  as_shown.columns = 960, as_shown.rows = 540;
+  const auto feed = must(ClipFeed::open(as_shown, ClipPace::kExact));
+  const auto large = show({.content = 4, .scale = 255});
+  fixtures::PicturePlace place;
+  place.scale = glm::dvec2(255 / 64.0);
+  const auto expected = mapped(*must(feed->at_clip(0)).pixels, map_of(place, 2), 8, 4).light;
+  CHECK(large.texels == expected.texels);
+}
+
 TEST_CASE("a video of a media server plays from when it is chosen, and loops as its content or its channel says") {
   const testing::TempFolder folder;
   const fixtures::Rig rig = rig_in(folder);

@@ -21,6 +21,17 @@ fixtures::Display sized_content(const fixtures::Display& content, int columns, i
   return sized;
 }
 
+// Pixels of a content that a layer scales or moves: its own, so that they are there where it is larger. A video has
+// at least these.
+constexpr int kPlacedVideoColumns = 960, kPlacedVideoRows = 540;
+glm::ivec2 pixels_of(const fixtures::Media& media, const fixtures::MediaLayer& layer, const glm::ivec2& shown) {
+  if (!layer.is_placed && media.place == fixtures::PicturePlace{}) return shown;
+  const fixtures::Display& content = media.content;
+  if (content.video) return glm::max(shown, glm::ivec2(kPlacedVideoColumns, kPlacedVideoRows));
+  if (content.image) return {content.image->width, content.image->height};
+  return content.map ? glm::ivec2(content.columns, content.rows) : glm::ivec2(1);
+}
+
 // The time of the file of a layer that has played for so long: from its begin to its end.
 DurationNs file_time_ns(const fixtures::DisplayVideo& video, const fixtures::MediaLayer& layer,
                         DurationNs duration_ns) {
@@ -69,7 +80,9 @@ MediaPictures::Source MediaPictures::make(const Key& key, const fixtures::MediaP
           return ClipFeed::open(sized, pace);
         });
   } else if (content.image) {
-    source.pixels = std::make_shared<const fixtures::PaneImage>(resampled(*content.image, columns, rows));
+    const bool as_it_is = content.image->width == columns && content.image->height == rows;
+    source.pixels = as_it_is ? content.image
+                             : std::make_shared<const fixtures::PaneImage>(resampled(*content.image, columns, rows));
   } else {
     fixtures::PaneImage even{columns, rows, {}};
     even.texels.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), glm::vec3(1));
@@ -106,30 +119,49 @@ Status MediaPictures::update(Source& source, const fixtures::MediaLayer& layer, 
   return {};
 }
 
+MediaPictures::Placed MediaPictures::placed(const std::shared_ptr<const fixtures::PaneImage>& from,
+                                           const fixtures::PictureMap& map,
+                                           const fixtures::MediaPlayer::Show& show, const Given& before) {
+  const bool fills = fixtures::is_identity(map);
+  if (!from || (fills && from->width == show.columns && from->height == show.rows)) return {from, map, from, nullptr};
+  for (const Placed& each : before.placed) {
+    if (each.from == from && each.map == map) return each;
+  }
+  fixtures::MappedPicture made = mapped(*from, map, show.columns, show.rows);
+  Placed placed{from, map, std::make_shared<const fixtures::PaneImage>(std::move(made.light)), nullptr};
+  if (!fills) placed.cover = std::make_shared<const std::vector<float>>(std::move(made.cover));
+  return placed;
+}
+
 Status MediaPictures::give_changes(const fixtures::MediaPlayer& player, const GivePixels& give) {
   Status status;
   given_.resize(player.shows().size());
   for (Source& source : sources_) source.used = false;
   for (std::size_t s = 0; s < player.shows().size(); ++s) {
     const fixtures::MediaPlayer::Show& show = player.shows()[s];
-    std::vector<fixtures::MediaPixels> layers;
+    Given now;
+    now.share = player.shares()[show.dimmed];
     for (const std::size_t l : show.layers) {
       const fixtures::MediaLayer& layer = player.layers()[l];
       if (layer.media < 0) continue;
-      const fixtures::Display& content = show.server->media[static_cast<std::size_t>(layer.media)].content;
-      const Key key(l, &content, show.columns, show.rows);
+      const fixtures::Media& media = show.server->media[static_cast<std::size_t>(layer.media)];
+      const glm::ivec2 pixels = pixels_of(media, layer, {show.columns, show.rows});
+      const Key key(l, &media.content, pixels.x, pixels.y);
       auto source = std::find_if(sources_.begin(), sources_.end(), [&](const Source& each) { return each.key == key; });
       if (source == sources_.end()) {
         source = sources_.insert(sources_.end(), make(key, player));
         source->server = show.server;
       }
       if (Status updated = update(*source, layer, player); !updated && status) status = updated;
-      layers.push_back({source->pixels, layer.share, layer.color * content.color});
+      const fixtures::PictureMap map = map_of(layer.place, show.aspect) * map_of(media.place, show.aspect);
+      now.placed.push_back(placed(source->pixels, map, show, given_[s]));
+      const Placed& there = now.placed.back();
+      now.layers.push_back({there.pixels, there.cover, layer.share, layer.color * media.content.color, layer.blend});
     }
-    const double share = player.shares()[show.dimmed];
-    if (given_[s].share == share && given_[s].layers == layers) continue;
-    give(show.shown, std::make_shared<const fixtures::PaneImage>(composed(layers, share, show.columns, show.rows)));
-    given_[s] = {std::move(layers), share};
+    if (given_[s].share == now.share && given_[s].layers == now.layers) continue;
+    give(show.shown,
+         std::make_shared<const fixtures::PaneImage>(composed(now.layers, now.share, show.columns, show.rows)));
+    given_[s] = std::move(now);
   }
   if (sources_.size() > kSourcesKept) std::erase_if(sources_, [](const Source& source) { return !source.used; });
   return status;

@@ -54,10 +54,22 @@ class MediaPictures {
     bool told = false;
     bool used = true;
   };
+  // A layer in the pixels of what shows it.
+  struct Placed {
+    std::shared_ptr<const fixtures::PaneImage> from;
+    fixtures::PictureMap map{1};
+    std::shared_ptr<const fixtures::PaneImage> pixels;
+    std::shared_ptr<const std::vector<float>> cover;
+  };
   struct Given {
     std::vector<fixtures::MediaPixels> layers;
+    std::vector<Placed> placed;  // one each of layers
     double share = -1;
   };
+  // That of `before`, if nothing has changed.
+  [[nodiscard]] static Placed placed(const std::shared_ptr<const fixtures::PaneImage>& from,
+                                     const fixtures::PictureMap& map, const fixtures::MediaPlayer::Show& show,
+                                     const Given& before);
   [[nodiscard]] Source make(const Key& key, const fixtures::MediaPlayer& player) const;
   Status update(Source& source, const fixtures::MediaLayer& layer, const fixtures::MediaPlayer& player);
   Status update_clip(Source& source, const fixtures::MediaLayer& layer);
