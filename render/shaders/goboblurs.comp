@@ -32,7 +32,10 @@ void main() {
   float between = image_side / side;
   vec4 radii = radius * exp2(vec4(0.0, 1.0, 2.0, 3.0) / 3.0);
   radii = sqrt(radii * radii - 4.0 * (1.0 / 12.0 + 0.104 + between * between / 6.0));
-  float lod = log2(float(textureSize(gobo_images, 0).x) / image_side);
+  // One texel each: a filter would read four. An image with fewer texels than the copy is as even as these.
+  int mip = int(log2(max(float(textureSize(gobo_images, 0).x) / image_side, 1.0)) + 0.5);
+  int last = textureSize(gobo_images, mip).x - 1;
+  float texels = float(last + 1) / image_side;
   vec2 middle = at * between;
   vec2 nearest = floor(middle) + 0.5;
   vec4 red = vec4(0.0);
@@ -44,7 +47,8 @@ void main() {
       vec2 p = nearest + vec2(x, y);
       vec4 share = clamp(radii - distance(p, middle) + 0.5, 0.0, 1.0);
       if (share.w == 0.0) continue;
-      vec3 through = textureLod(gobo_images, vec3(p / image_side, float(image - 1u)), lod).rgb;
+      ivec2 there = clamp(ivec2(floor(p * texels)), 0, last);
+      vec3 through = texelFetch(gobo_images, ivec3(there, int(image - 1u)), mip).rgb;
       all += share;
       red += share * through.r;
       green += share * through.g;
