@@ -90,8 +90,8 @@ const PassEntry kGobosPass{
                                                  context.settings.gate_builds));
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{
-          {kGatesComp}, {kGobosComp}, {kGateimagesComp}, {kGobochordsComp}, {kGobolinesComp}, {kGoboblursComp}};
+      return std::vector<std::vector<vk::Spirv>>{{kGatesComp},      {kGobosComp},     {kGateimagesComp},
+                                                 {kGobochordsComp}, {kGobolinesComp}, {kGoboblursComp}};
     },
     "tables of gobos in the air, which are sampled instead",
     nullptr,
