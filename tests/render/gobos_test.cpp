@@ -219,8 +219,10 @@ TEST_CASE("each colour of a gobo out of focus is blurred as a grey image of it i
     std::vector<std::uint8_t> rgba;
     for (int row = 0; row < kSize; ++row) {
       for (int column = 0; column < kSize; ++column) {
-        const bool parts[3] = {column<50, row> 70 && row < 90,
-                               static_cast<int>(std::hypot(row - 64, column - 64)) / 8 % 2 == 0};
+        const bool half = column < 50;
+        const bool bar = row > 70 && row < 90;
+        const bool ring = static_cast<int>(std::hypot(row - 64, column - 64)) / 8 % 2 == 0;
+        const bool parts[3] = {half, bar, ring};
         for (int c = 0; c < 3; ++c) rgba.push_back(parts[only < 0 ? c : only] ? 255 : 0);
         rgba.push_back(255);
       }
