@@ -59,9 +59,12 @@ GoboTablePlan plan_gobo_tables(const fixtures::CompiledRig& compiled, const std:
     return layers - wanted + 1;
   };
   for (std::size_t i = 0; i < count; ++i) {
-    plan.rows.push_back({.planes = planes[i], .lines = 0, .built = 0, .gate = 0, .whole = {}});
+    plan.rows.push_back({.planes = planes[i], .lines = 0, .blurs = 0, .built = 0, .gate = 0, .whole = {}});
     const bool is_drawn = in_wheel[i] && !compiled.images[i].changes;
     if (is_drawn) plan.rows[i].lines = take(plan.lines_layers, planes[i], kGoboLinesBytes);
+  }
+  for (std::size_t i = 0; i < count && compiled.needs.focus; ++i) {
+    if (plan.rows[i].lines != 0) plan.rows[i].blurs = take(plan.blur_layers, planes[i], kGoboBlurBytes);
   }
   for (std::size_t i = 0; i < count; ++i) {
     for (std::uint32_t p = 0; p < FL_GOBO_PROFILES; ++p) {
@@ -73,7 +76,7 @@ GoboTablePlan plan_gobo_tables(const fixtures::CompiledRig& compiled, const std:
   plan.gates = static_cast<std::uint32_t>(
       std::min<std::uint64_t>({several ? gates : std::min(gates, kGatesBetweenSlots), FL_GATES_MAX,
                                kGateBytesMax / (plan.gate_planes * kGateBytes)}));
-  plan.rows.resize(count + plan.gates, {.planes = 1, .lines = 0, .built = 0, .gate = 0, .whole = {}});
+  plan.rows.resize(count + plan.gates, {.planes = 1, .lines = 0, .blurs = 0, .built = 0, .gate = 0, .whole = {}});
   return plan;
 }
 

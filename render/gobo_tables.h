@@ -16,6 +16,8 @@ inline constexpr std::uint32_t kGoboLinesRows = FL_GOBO_DIRECTIONS * FL_GOBO_NOD
 inline constexpr std::uint64_t kGoboWholeBytes = std::uint64_t{FL_GOBO_CHORDS} * kGoboWholeRows * 8;
 inline constexpr std::uint64_t kGoboLinesBytes = std::uint64_t{FL_GOBO_LINES} * kGoboLinesRows * 4;
 
+inline constexpr std::uint64_t kGoboBlurBytes = std::uint64_t{FL_GOBO_BLUR_COLUMNS} * FL_GOBO_BLUR_PX * 8;
+
 // GPU memory that tables of gobos in haze may take. Gobos past it are sampled.
 inline constexpr std::uint64_t kGoboTableBytesMax = std::uint64_t{256} << 20;
 
@@ -33,11 +35,12 @@ struct GoboTablePlan {
   std::vector<GoboTableRow> rows;  // one an image, then one a gate
   std::uint32_t whole_layers = 0;  // of images
   std::uint32_t lines_layers = 0;
+  std::uint32_t blur_layers = 0;  // none where no mode has a focus
   std::uint32_t gates = 0;
   std::uint32_t gate_planes = 1;  // layers of each gate in each texture, behind those of images
 };
 // planes: of each image, 1 or 3. Sums along lines for all images of gobo wheels first, in the order of the images, then
-// whole chords for each profile that a type with the image has. gates: at most so many.
+// blurred copies, then whole chords for each profile that a type with the image has. gates: at most so many.
 [[nodiscard]] GoboTablePlan plan_gobo_tables(const fixtures::CompiledRig& compiled,
                                              const std::vector<std::uint32_t>& planes, std::uint32_t gates);
 

@@ -44,7 +44,7 @@ std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
                        &rig.occluders, &rig.body_boxes, &rig.choices, &rig.drawn, &rig.body_spaces, &rig.body_rounds,
                        &rig.object_shells, &rig.textures, &rig.texture_texels, &rig.object_uvs});
   known += groups.add("gobos", {&rig.gobo_tables, &rig.gobo_queue, &rig.gates},
-                      {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images});
+                      {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gobo_blurs, &rig.gate_images});
   known += groups.add("beams", {&rig.beams, &rig.blades});
   known += groups.add("shadows", {&rig.shadow_lists, &rig.shadows, &rig.shadow_maps});
   known += groups.add("reflected light", {&rig.bounce_solids, &rig.bounce_tree, &rig.bounce_patch_rows,

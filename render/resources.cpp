@@ -370,10 +370,21 @@ std::uint64_t gobo_jobs_max(const CompiledRig& compiled) {
   return std::uint64_t{FL_GOBO_PROFILES} * compiled.images.size() + FL_GATES_MAX;
 }
 std::uint64_t gobo_queue_bytes(const CompiledRig& compiled) {
-  return sizeof(GoboQueue) + 8 * gobo_jobs_max(compiled) + std::uint64_t{4} * FL_GATES_MAX;
+  return sizeof(GoboQueue) + 8 * gobo_jobs_max(compiled) + 4 * (FL_GATES_MAX + compiled.images.size());
 }
 std::uint64_t gates_bytes(const GoboTablePlan& plan) {
   return plan.gates > 0 ? sizeof(GatesHead) + std::uint64_t{2} * plan.gates * sizeof(GateRow) : 0;
+}
+
+std::uint64_t gobo_table_bytes(std::uint32_t binding, const GoboTablePlan& plan) {
+  const std::uint64_t gate_layers = std::uint64_t{plan.gates} * plan.gate_planes;
+  switch (binding) {
+    case FL_BINDING_GOBO_WHOLE_OUT: return (plan.whole_layers + gate_layers) * kGoboWholeBytes;
+    case FL_BINDING_GOBO_LINES_OUT: return (plan.lines_layers + gate_layers) * kGoboLinesBytes;
+    case FL_BINDING_GOBO_BLURS_OUT: return plan.blur_layers * kGoboBlurBytes;
+    case FL_BINDING_GATE_IMAGES_OUT: return gate_layers * kGateImageBytes;
+    default: return gates_bytes(plan);
+  }
 }
 
 // A table in an image and, where there is none, a texel, since shaders name it.
@@ -388,6 +399,7 @@ Status make_gobo_tables(vk::Device& device, const CompiledRig& compiled, const G
       .whole_groups = {FL_GOBO_CHORDS / FL_GROUP_GOBOS, FL_GOBO_ANGLES + 1, 0, 0},
       .lines_groups = {FL_GOBO_LINES / FL_GROUP_GOBOS, FL_GOBO_DIRECTIONS, 0, 0},
       .gate_groups = {FL_GATE_PX / FL_GROUP_GATE_PX, FL_GATE_PX / FL_GROUP_GATE_PX, 0, 0},
+      .blur_groups = {FL_GOBO_BLUR_COLUMNS / FL_GROUP_GOBOS, FL_GOBO_BLUR_PX, 0, 0},
       .capacity = static_cast<std::uint32_t>(gobo_jobs_max(compiled)),
       .gates = plan.gates,
       .gate_builds = 0,
@@ -404,10 +416,12 @@ Status make_gobo_tables(vk::Device& device, const CompiledRig& compiled, const G
                                       VK_FORMAT_R16G16B16A16_SFLOAT));
   FL_ASSIGN(r.gobo_lines, table_image(device, FL_GOBO_LINES, kGoboLinesRows, plan.lines_layers + gate_layers,
                                       VK_FORMAT_R16G16_UNORM));
+  FL_ASSIGN(r.gobo_blurs, table_image(device, FL_GOBO_BLUR_COLUMNS, FL_GOBO_BLUR_PX, plan.blur_layers,
+                                      VK_FORMAT_R16G16B16A16_SFLOAT));
   FL_ASSIGN(r.gates, zeroed(device, std::max<std::uint64_t>(gates_bytes(plan), 16)));
   FL_ASSIGN(r.gate_images, table_image(device, FL_GATE_PX, FL_GATE_PX, gate_layers, VK_FORMAT_R16_SFLOAT));
   return device.run_once([&](VkCommandBuffer commands) {
-    for (const vk::Image* image : {&r.gobo_whole, &r.gobo_lines, &r.gate_images}) {
+    for (const vk::Image* image : {&r.gobo_whole, &r.gobo_lines, &r.gobo_blurs, &r.gate_images}) {
       vk::change_layout(commands, *image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     }
   });
@@ -500,19 +514,11 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_GOBOS: return gobo_bytes(shape);
     case FL_BINDING_GOBO_TABLES: return largest_gobo_tables(shape).rows.size() * sizeof(GoboTableRow);
     case FL_BINDING_GOBO_QUEUE: return gobo_queue_bytes(shape.compiled);
-    case FL_BINDING_GOBO_WHOLE_OUT: {
-      const GoboTablePlan plan = largest_gobo_tables(shape);
-      return (plan.whole_layers + plan.gates * plan.gate_planes) * kGoboWholeBytes;
-    }
-    case FL_BINDING_GOBO_LINES_OUT: {
-      const GoboTablePlan plan = largest_gobo_tables(shape);
-      return (plan.lines_layers + plan.gates * plan.gate_planes) * kGoboLinesBytes;
-    }
-    case FL_BINDING_GATES: return gates_bytes(largest_gobo_tables(shape));
-    case FL_BINDING_GATE_IMAGES_OUT: {
-      const GoboTablePlan plan = largest_gobo_tables(shape);
-      return std::uint64_t{plan.gates} * plan.gate_planes * kGateImageBytes;
-    }
+    case FL_BINDING_GOBO_WHOLE_OUT:
+    case FL_BINDING_GOBO_LINES_OUT:
+    case FL_BINDING_GOBO_BLURS_OUT:
+    case FL_BINDING_GATES:
+    case FL_BINDING_GATE_IMAGES_OUT: return gobo_table_bytes(binding, largest_gobo_tables(shape));
     case FL_BINDING_MASKS: return mask_bytes(settings, mask_words_of(shape.compiled));
     case FL_BINDING_LASER_MASKS: return laser_mask_bytes(settings, laser_rows_of(shape));
     case FL_BINDING_LASER_STRIPS: return laser_strip_bytes(settings, laser_rows_of(shape));
@@ -672,8 +678,8 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
     if (has_gobo_tables(shape.needs, shape.settings))
       plan = plan_gobo_tables(compiled, gobo_planes, shape.settings.gobo_gates);
     if (device.limits().maxImageDimension2D < kGoboLinesRows) {  // 4096 is guaranteed: it samples all gobos
-      for (GoboTableRow& row : plan.rows) row = {.planes = row.planes, .lines = 0, .built = 0, .gate = 0, .whole = {}};
-      plan.lines_layers = plan.whole_layers = plan.gates = 0;
+      for (GoboTableRow& row : plan.rows) row = {.planes = row.planes};
+      plan.lines_layers = plan.blur_layers = plan.whole_layers = plan.gates = 0;
     }
     FL_TRY(make_gobo_tables(device, compiled, plan, r));
   }
@@ -823,6 +829,8 @@ void Resources::bind_all() {
     bindings.set_image(FL_BINDING_GOBO_WHOLE_OUT, rig.gobo_whole);
     bindings.set_image(FL_BINDING_GOBO_LINES, rig.gobo_lines);
     bindings.set_image(FL_BINDING_GOBO_LINES_OUT, rig.gobo_lines);
+    bindings.set_image(FL_BINDING_GOBO_BLURS, rig.gobo_blurs);
+    bindings.set_image(FL_BINDING_GOBO_BLURS_OUT, rig.gobo_blurs);
     bindings.set_image(FL_BINDING_GATE_IMAGES, rig.gate_images);
     bindings.set_image(FL_BINDING_GATE_IMAGES_OUT, rig.gate_images);
   }
@@ -839,12 +847,14 @@ void Resources::bind_all() {
   if (picture.mirror.handle != VK_NULL_HANDLE) bindings.set_image(FL_BINDING_MIRROR, picture.mirror);
   bindings.set_image(FL_BINDING_SCREEN, picture.screen);
   for (const vk::Image* image :
-       {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &rig.haze_table, &picture.surface_id,
+       {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gobo_blurs, &rig.gate_images, &rig.haze_table,
+        &picture.surface_id,
         &picture.depth, &picture.edges, &picture.blurred, &picture.glare, &picture.mirror, &picture.radiance,
         &picture.screen}) {
     total_bytes += image->size_bytes;
   }
-  for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &rig.haze_table}) {
+  for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gobo_blurs, &rig.gate_images,
+                                 &rig.haze_table}) {
     rig_bytes += image->size_bytes;
   }
   picture_bytes = total_bytes - rig_bytes;

@@ -76,9 +76,9 @@ struct RigTables {
   vk::Buffer body_boxes;  // BodyBoxRow, FL_BODY_BOXES a mesh
   vk::Image gobos;        // one layer a gobo
   int gobo_px = 1;        // a side of them
-  // Tables of gobos in haze, filled as lit beams show them: GoboTableRow, GoboQueue, and the two kinds of tables.
+  // Tables of gobos in haze, filled as lit beams show them: GoboTableRow, GoboQueue, and the kinds of tables.
   vk::Buffer gobo_tables, gobo_queue;
-  vk::Image gobo_whole, gobo_lines;
+  vk::Image gobo_whole, gobo_lines, gobo_blurs;
   // Gates (render/shaders/gates.comp): GatesHead with GateRow, and their images.
   vk::Buffer gates;
   vk::Image gate_images;

@@ -7,7 +7,7 @@
 
 namespace footlight::render {
 
-// Gobos in haze (render/shaders/lib/gobo_chord.glsl). kTables: tables, and samples where a focus blurs widely. kTaps:
+// Gobos in haze (render/shaders/lib/gobo_chord.glsl). kTables: tables, and samples where frost blurs widely. kTaps:
 // samples. kMidpoints: samples with all of the integrand computed at each, for the report. kSuited: as suits the
 // device, which is kTaps on a CPU and else kTables. A CPU takes seconds to build the tables, and is slower with them.
 enum class GoboMethod : std::uint32_t {

@@ -252,14 +252,13 @@ double gobo_share(const JudgeBeam& beam, const GoboTransmission& gobo, double x,
   const double blur = std::max(beam.blur, f64::focus_blur(beam.lens_radius_m, beam.spread, z_m, beam.focus_per_m));
   if (!(blur > 1e-4)) return sharp(p);
   // Points of a sunflower pattern, each for an equal area.
-  constexpr int kPoints = 64;
   double sum = 0;
-  for (int i = 0; i < kPoints; ++i) {
-    const double radius = blur * std::sqrt((i + 0.5) / kPoints);
+  for (int i = 0; i < beam.blur_points; ++i) {
+    const double radius = blur * std::sqrt((i + 0.5) / beam.blur_points);
     const double angle = 2.399963229728653 * i;
     sum += sharp(p + radius * glm::dvec2(std::cos(angle), std::sin(angle)));
   }
-  return sum / kPoints;
+  return sum / beam.blur_points;
 }
 
 double extinction_per_m(const fixtures::Haze& haze) { return haze.scattering_per_m + haze.absorption_per_m; }

@@ -62,6 +62,7 @@ struct JudgeBeam {
   double gobo_scale = 1;    // share of the images' radius that is inside the beam
   double blur = 0;          // blur of images by frost: radius in beam radii
   double focus_per_m = -1;  // below 0: images are sharp at every distance
+  int blur_points = 64;     // of the disc over which a blur is the mean
   double aspect = 0;  // width over height of a rectangular beam; then lens radius and k are those of half its width,
                       // and f is the product of one profile in x and one in y. 0: round
   MeasuredShare measured;  // replaces f; rho = 1 is at measured_spread
@@ -153,8 +154,8 @@ struct JudgeScene {
 // Returns the scene of a rig with the states of the walker, including everything that shapes its beams. Facets of a
 // prism become separate beams. The walker is not stepped; it is not const because the shared functions are its members.
 // A measured beam has the candela of its file, which is read again instead of using the compiled table. Frost, blades,
-// focus and wheels between two slots are defined in render/shaders/shared/optics.h. A blur is the mean over 64 points
-// of a disc here. time_ns: of the show, for clouds of haze that drift.
+// focus and wheels between two slots are defined in render/shaders/shared/optics.h. A blur is the mean over some
+// points of a disc here. time_ns: of the show, for clouds of haze that drift.
 [[nodiscard]] JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
                                      GoboTransmission gobo = {}, std::int64_t time_ns = 0);
 

@@ -161,6 +161,7 @@ void main() {
     GoboTableRow table;
     table.planes = 1u;
     table.lines = 0u;
+    table.blurs = 0u;
     table.built = 0u;
     table.gate = 0u;
     for (int p = 0; p < FL_GOBO_PROFILES; ++p) table.whole[p] = 0u;

@@ -12,6 +12,7 @@
 #include "render/shaders/lib/gobo_queue.glsl"
 
 layout(local_size_x = FL_GROUP_GOBOS) in;
+layout(constant_id = FL_SPEC_FOCUS) const bool kFocus = false;
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
@@ -22,6 +23,12 @@ void main() {
   if (gobo_lines_layer(only) != 0u) {
     if ((atomicOr(gobo_tables[only.image - 1u].built, FL_GOBO_LINES_BUILT) & FL_GOBO_LINES_BUILT) == 0u) {
       gobo_jobs[gobo_queue.capacity + atomicAdd(gobo_queue.lines_groups[2], 1u)] = only.image;
+    }
+  }
+  if (kFocus && !gobo_is_sharp(row) && gobo_blurs_layer(only) != 0u) {
+    if ((atomicOr(gobo_tables[only.image - 1u].built, FL_GOBO_BLURS_BUILT) & FL_GOBO_BLURS_BUILT) == 0u) {
+      uint first = 2u * gobo_queue.capacity + uint(FL_GATES_MAX);
+      gobo_jobs[first + atomicAdd(gobo_queue.blur_groups[2], 1u)] = only.image;
     }
   }
   if (gobo_whole_layer(row, only) != 0u) {

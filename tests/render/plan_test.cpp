@@ -140,7 +140,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_BODIES, 1},
                                 {FL_SPEC_MAP_PX, 0},
                                 {FL_SPEC_PENUMBRA, 1}}},
-                              {"gobos", {}},
+                              {"gobos", {{FL_SPEC_FOCUS, 1}}},
                               {"bodies", {{FL_SPEC_GLOSS, 1}, {FL_SPEC_SHEEN, 1}}},
                               {"tiles", {{FL_SPEC_RECTANGLE, 1}}},
                               {"bounce",

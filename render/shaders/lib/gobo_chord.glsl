@@ -10,6 +10,8 @@
 #include "render/shaders/lib/profile_index.glsl"
 #include "render/shaders/lib/gobo_tables.glsl"
 #include "render/shaders/lib/gobo_whole.glsl"
+#include "render/shaders/lib/gobo_blurs.glsl"
+layout(set = 0, binding = FL_BINDING_GOBO_BLURS) uniform sampler2DArray gobo_blurs;
 layout(constant_id = FL_SPEC_GOBO_METHOD) const uint kGoboMethod = FL_GOBO_TABLES;
 layout(set = 0, binding = FL_BINDING_GOBO_LINES) uniform sampler2DArray gobo_lines;
 #include "render/shaders/lib/gate_image.glsl"
@@ -36,6 +38,7 @@ struct GoboTables {
   uint planes;
   uint lines;   // first layers, plus 1; 0: none
   uint whole;
+  uint blurs;   // none without a focus
 };
 vec3 gobo_through(GoboTables tables, vec2 p) {
   p = 0.5 * p + 0.5;
@@ -118,19 +121,23 @@ float gobo_lines_plane(GoboTables tables, uint plane, BeamShape beam, Chord chor
   return total;
 }
 
-// Radii of the image's blur at both ends of a chord. Frost blurs alike everywhere. The focus blurs by the distance from
-// the lens: a ray through one point of the lens is straight in the gate, so between the ends its place beside the chord
-// changes evenly with the place in the gate, and has the other sign beyond the focus.
-vec2 gobo_blurs(BeamRow row, Chord chord, vec3 d) {
-  vec2 blurs = vec2(row.gobo_blur > 1e-4 ? row.gobo_blur : 0.0);
-  if (!kFocus || row.focus < 0.0) return blurs;
+// Radii of the image's blur by the focus at both ends of a chord. The focus blurs by the distance from the lens: a ray
+// through one point of the lens is straight in the gate, so between the ends its place beside the chord changes evenly
+// with the place in the gate, and has the other sign beyond the focus.
+vec2 gobo_shifts(BeamRow row, Chord chord, vec3 d) {
+  if (!kFocus || row.focus < 0.0) return vec2(0.0);
   float s;
   vec2 t_m;
   chord_point(chord, 0.0, s, t_m.x);
   chord_point(chord, 1.0, s, t_m.y);
   vec2 z_m = chord.base.z + t_m * d.z;
-  vec2 shifts = vec2(focus_shift(row.x_axis.w, row.y_axis.w, z_m.x, row.focus),
-                     focus_shift(row.x_axis.w, row.y_axis.w, z_m.y, row.focus));
+  return vec2(focus_shift(row.x_axis.w, row.y_axis.w, z_m.x, row.focus),
+              focus_shift(row.x_axis.w, row.y_axis.w, z_m.y, row.focus));
+}
+// Together with frost, which blurs alike everywhere.
+vec2 gobo_line_blurs(BeamRow row, vec2 shifts) {
+  vec2 blurs = vec2(row.gobo_blur > 1e-4 ? row.gobo_blur : 0.0);
+  if (!kFocus || row.focus < 0.0) return blurs;
   // The wider of both counts. A little frost does not make lines parallel that cross in the focus.
   return all(greaterThan(abs(shifts), blurs)) ? shifts : max(blurs, abs(shifts));
 }
@@ -139,6 +146,7 @@ vec2 gobo_blurs(BeamRow row, Chord chord, vec3 d) {
 // shift along the chord is left out; it would change its ends alone.
 const uint kBlurLines = 6u;
 const float kWidestBlur = 0.25;  // six lines lie too far apart in a wider one, as near a lens: docs/numerics.md
+const float kWidestBlurOfLines = 0.03;  // where the image has blurred copies
 vec3 gobo_lines_chord(GoboTables tables, BeamShape beam, Chord chord, ChordWeight weight, vec2 from, vec2 to,
                       vec2 blurs) {
   uint count = any(greaterThan(abs(blurs), vec2(1e-4))) ? kBlurLines : 1u;
@@ -155,6 +163,72 @@ vec3 gobo_lines_chord(GoboTables tables, BeamShape beam, Chord chord, ChordWeigh
     total += light * vec3(plane == 0u, plane == 1u, plane == 2u);
   }
   return (tables.planes == 1u ? vec3(total.r) : total) * chord_measure(chord);
+}
+
+// What a gobo lets through in a disc around a place of it. blur: its radius, up to kBlurMost.
+vec3 gobo_blurred(GoboTables tables, vec2 p, float blur) {
+  float octave = log2(max(blur, kBlurLeast) / kBlurLeast);
+  uint level = min(uint(octave), uint(FL_GOBO_BLUR_LEVELS - 1));
+  vec4 t = 3.0 * (octave - float(level)) - vec4(0.0, 1.0, 2.0, 3.0);
+  vec4 share = vec4(-t.y * t.z * t.w, 3.0 * t.x * t.z * t.w, -3.0 * t.x * t.y * t.w, t.x * t.y * t.z) / 6.0;
+  float side = float(blur_side(level));
+  vec2 at = clamp((0.5 * p + 0.5) * side, 0.5, side - 0.5) + vec2(blur_corner(level));
+  at /= vec2(FL_GOBO_BLUR_COLUMNS, FL_GOBO_BLUR_PX);
+  float layer = float(tables.blurs - 1u);
+  vec3 through = vec3(dot(textureLod(gobo_blurs, vec3(at, layer), 0.0), share));
+  if (tables.planes > 1u) {
+    through.g = dot(textureLod(gobo_blurs, vec3(at, layer + 1.0), 0.0), share);
+    through.b = dot(textureLod(gobo_blurs, vec3(at, layer + 2.0), 0.0), share);
+  }
+  return blur < kBlurLeast ? mix(gobo_through(tables, p), through, blur / kBlurLeast) : through;
+}
+
+// A chord out of focus: cells as long as the blur in them is wide, and a sample in the middle of each. The blur changes
+// evenly from shifts.x to shifts.y, and is nowhere below `frost`. Cells become no shorter where the image is sharper
+// than `sharpest`: their ends are at even steps of the integral of 1 / max(|shift|, sharpest), blur_steps().
+const float kBlurStep = 0.6;  // length of a cell, in radii of the blur
+const float kBlurCells = 24.0;  // of a long chord, at least: the profile changes along it
+const float kBlurCellsMost = 128.0;
+float blur_steps(float shift, float sharpest) {
+  float size = abs(shift) / sharpest;
+  return sign(shift) * (size < 1.0 ? size : 1.0 + log(size));
+}
+float blur_at_step(float steps, float sharpest) {
+  float size = abs(steps);
+  return sign(steps) * sharpest * (size < 1.0 ? size : exp(size - 1.0));
+}
+vec3 gobo_blurred_chord(GoboTables tables, BeamShape beam, Chord chord, ChordWeight weight, vec2 from, vec2 to,
+                        vec2 shifts, float frost) {
+  float sharpest = max(frost, kBlurLeast);
+  float change = shifts.y - shifts.x;
+  float steps = blur_steps(shifts.x, sharpest);
+  float more = blur_steps(shifts.y, sharpest) - steps;
+  float nearest = shifts.x * shifts.y < 0.0 ? sharpest : max(min(abs(shifts.x), abs(shifts.y)), sharpest);
+  bool even = abs(change) < 0.1 * nearest;
+  float far = distance(from, to);
+  float wanted = far / kBlurStep * (even ? 1.0 / nearest : more / change);
+  uint fours = uint(0.25 * clamp(wanted, kBlurCells * min(2.0 * far, 1.0), kBlurCellsMost - 4.0)) + 1u;
+  float cells = 4.0 * float(fours);
+  vec3 total = vec3(0.0);
+  float end = 0.0;
+  for (uint four = 0u; four < fours; ++four) {
+    float x[4];
+    float part[4];
+    vec3 through[4];
+    [[unroll]] for (int i = 0; i < 4; ++i) {
+      float cell = float(4u * four) + float(i + 1);
+      float next = cell / cells;
+      if (!even && cell < cells) next = (blur_at_step(steps + more * next, sharpest) - shifts.x) / change;
+      part[i] = next - end;
+      x[i] = 0.5 * (next + end);
+      end = next;
+    }
+    [[unroll]] for (int i = 0; i < 4; ++i) {
+      through[i] = gobo_blurred(tables, mix(from, to, x[i]), max(abs(mix(shifts.x, shifts.y, x[i])), frost));
+    }
+    [[unroll]] for (int i = 0; i < 4; ++i) total += through[i] * (part[i] * gobo_light_at(beam, chord, weight, x[i]));
+  }
+  return max(total, vec3(0.0)) * chord_measure(chord);
 }
 
 // A short chord from `from` to `to` in the image.
@@ -196,11 +270,17 @@ vec3 gobo_inscatter(BeamShape beam, Medium medium, Chord chord, vec3 d, bool wit
       from = vec2(turn.x * from.x + turn.y * from.y, turn.x * from.y - turn.y * from.x);
       to = vec2(turn.x * to.x + turn.y * to.y, turn.x * to.y - turn.y * to.x);
       bool sharp = gobo_is_sharp(row);
-      vec2 blurs = gobo_blurs(row, chord, d);
-      if (distance(from, to) > kShortChord && all(lessThan(abs(blurs), vec2(kWidestBlur)))) {
+      vec2 shifts = gobo_shifts(row, chord, d);
+      vec2 blurs = gobo_line_blurs(row, shifts);
+      tables.blurs = kFocus ? gobo_blurs_layer(only) : 0u;
+      float widest = tables.blurs != 0u ? kWidestBlurOfLines : kWidestBlur;
+      if (distance(from, to) > kShortChord && all(lessThan(abs(blurs), vec2(widest)))) {
         return gobo_lines_chord(tables, beam, chord, weight, from, to, blurs);
       }
       if (sharp) return gobo_short_chord(tables, beam, chord, weight, from, to);
+      if (tables.blurs != 0u && all(lessThanEqual(abs(blurs), vec2(kBlurMost)))) {
+        return gobo_blurred_chord(tables, beam, chord, weight, from, to, shifts, row.gobo_blur);
+      }
     }
   }
   return chord_inscatter_taps(beam, chord, weight, d, kGoboTaps, row.gobo, as_it_is);

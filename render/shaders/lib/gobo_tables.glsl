@@ -33,6 +33,9 @@ bool gobo_is_sharp(BeamRow row) { return row.gobo_blur <= 1e-4 && row.focus < 0.
 // The first layer, plus 1, of its sums along lines; 0: none.
 uint gobo_lines_layer(GoboImage only) { return only.image != 0u ? gobo_tables[only.image - 1u].lines : 0u; }
 
+// The first layer, plus 1, of its blurred copies; 0: none.
+uint gobo_blurs_layer(GoboImage only) { return only.image != 0u ? gobo_tables[only.image - 1u].blurs : 0u; }
+
 // Whether whole chords serve the beam: they hold the profile, over the whole image.
 bool gobo_has_whole(BeamRow row) {
   return gobo_is_sharp(row) && row.gobo_scale == 1.0 && row.j0.w == 0.0 && row.squeeze == 0.0 && row.measured == 0u;

@@ -168,7 +168,10 @@
 #define FL_BINDING_PROBES (120 + FL_LAMP_COUNT)
 #define FL_BINDING_PROBE_LIGHT (121 + FL_LAMP_COUNT)
 #define FL_BINDING_OBJECT_SHELLS (122 + FL_LAMP_COUNT)  // ObjectShellsRow, one for each FL_OBJECT_TRIANGLES triangles
-#define FL_BINDING_COUNT (123 + FL_LAMP_COUNT)
+// Blurred gobos of beams with a focus (lib/gobo_blurs.glsl).
+#define FL_BINDING_GOBO_BLURS (123 + FL_LAMP_COUNT)
+#define FL_BINDING_GOBO_BLURS_OUT (124 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (125 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -267,6 +270,13 @@
 #define FL_GOBO_DIRECTIONS 64
 #define FL_GOBO_NODES 65
 #define FL_GOBO_LINE_SAMPLES 512
+// Blurred gobos: FL_GOBO_BLUR_LEVELS squares of an octave of radii each, from 1 / FL_GOBO_BLUR_LEAST of the image's.
+// The first two have FL_GOBO_BLUR_PX texels a side, each next one half as many. All lie in one image,
+// FL_GOBO_BLUR_COLUMNS wide.
+#define FL_GOBO_BLUR_PX 512
+#define FL_GOBO_BLUR_COLUMNS 1280
+#define FL_GOBO_BLUR_LEAST 64
+#define FL_GOBO_BLUR_LEVELS 8
 #define FL_GOBO_PROFILES 8  // numbers of profiles (lib/profile_index.glsl), and one that none has
 #define FL_GROUP_GOBOS 64   // lines, and beams, a workgroup
 #define FL_GROUP_GLARE 8     // threads a side of a workgroup of the glare pass, up the pyramid
@@ -670,23 +680,26 @@ struct CutRow {
 #define FL_CUTS_SHARE 32
 #define FL_CUTS_MIN 32
 
-// The tables of a gobo image or of the image of a gate, 48 bytes. The rows of images come first. Layers: those of its
+// The tables of a gobo image or of the image of a gate, 52 bytes. The rows of images come first. Layers: those of its
 // first colour, plus 1; 0: it has none.
 struct GoboTableRow {
   uint planes;                   // 1: it is grey, 3: red, green and blue have tables of their own
   uint lines;                    // layer of its sums along lines
-  uint built;                    // bits: 1 << profile of its whole chords, FL_GOBO_LINES_BUILT
+  uint blurs;                    // layer of its blurred copies
+  uint built;                    // bits: 1 << profile of its whole chords, FL_GOBO_LINES_BUILT, FL_GOBO_BLURS_BUILT
   uint gate;                     // of a gate: the first layer of its image, plus 1; 0: the row of a slot's image
   uint whole[FL_GOBO_PROFILES];  // layer of its whole chords, by profile
 };
 #define FL_GOBO_LINES_BUILT 0x100u
+#define FL_GOBO_BLURS_BUILT 0x200u
 
 // Tables that a frame builds: indirect arguments whose z counts the jobs that follow, `capacity` of whole chords, as
-// many of lines, then the layers of gates to be drawn.
+// many of lines, then FL_GATES_MAX layers of gates to be drawn, then blurred copies.
 struct GoboQueue {
   uint whole_groups[4];
   uint lines_groups[4];
   uint gate_groups[4];
+  uint blur_groups[4];
   uint capacity;
   uint gates;             // layers of gates
   uint gate_builds;       // that a frame may draw

@@ -62,7 +62,7 @@ TEST_CASE("a pipeline's interface has exactly the bindings that its shaders decl
     const auto count = [&](const ShaderBinding& binding) { return std::count(beams.begin(), beams.end(), binding); };
     for (const std::uint32_t binding :
          std::initializer_list<std::uint32_t>{FL_BINDING_GOBOS, FL_BINDING_GOBO_WHOLE, FL_BINDING_GOBO_LINES,
-                                              FL_BINDING_GATE_IMAGES}) {
+                                              FL_BINDING_GOBO_BLURS, FL_BINDING_GATE_IMAGES}) {
       CHECK(count({binding, kSampled}) == static_cast<std::ptrdiff_t>(with_gobos));
     }
     CHECK(count({FL_BINDING_MOTORS, kBuffer}) == 0);
