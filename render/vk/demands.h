@@ -13,7 +13,7 @@
 
 namespace footlight::render::vk {
 
-// Storage buffers of one pipeline. The step pass has the most: 26. lavapipe (Mesa 22.3) allows 32 a stage.
+// Storage buffers of one pipeline. The step pass has the most: 25. lavapipe (Mesa 22.3) allows 32 a stage.
 inline constexpr std::uint32_t kStorageBuffersMax = 28;
 // Vulkan guarantees these two.
 inline constexpr std::uint32_t kStorageImagesMax = 4;
