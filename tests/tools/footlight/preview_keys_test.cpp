@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <string>
+#include <system_error>
 #include <thread>
 
 #include <doctest/doctest.h>
@@ -41,6 +43,15 @@ bool until(const std::function<bool()>& is) {
     std::this_thread::sleep_for(kKeyPause);
   }
   return true;
+}
+
+// Whether a folder, to which another process writes, or one of its folders has a file.
+bool has_file(const std::string& folder, const std::string& name) {
+  std::error_code error;
+  for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (at->path().filename() == name) return true;
+  }
+  return false;
 }
 
 // A window over a rig of one par, in a display of its own.
@@ -130,12 +141,7 @@ TEST_CASE("a window that is killed with unsaved edits and a recording leaves bot
     window.key("ctrl+a");
     window.key("ctrl+Right");
     CHECK(window.prints("\"unsaved\":true"));
-    CHECK(until([&] {  // until the last file of the automatic copy is written
-      for (const auto& entry : fs::recursive_directory_iterator(folder.file("state"))) {
-        if (entry.path().filename() == "rig.toml") return true;
-      }
-      return false;
-    }));
+    CHECK(until([&] { return has_file(folder.file("state"), "rig.toml"); }));  // the last one of an automatic copy
     window.program().signal(SIGKILL);
     CHECK(window.program().wait().exit_code == -1);
   }
