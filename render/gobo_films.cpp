@@ -147,7 +147,12 @@ Status GoboFilms::create(vk::Device& device, const MemoryShape& shape, const Rig
     film.display = display;
     const fixtures::Projector& projector = *type.said_by_rig.projector;
     film.part = fixtures::picture_part(fixtures::projected_frame(projector), fixtures::kProjectorGoboPx);
-    if (changes_on_panel(projector)) film.panel.emplace(projector, film.part.columns, film.part.rows);
+    if (changes_on_panel(projector)) {
+      film.panel.emplace(projector, film.part.columns, film.part.rows);
+      // Not in record(), for which a window waits.
+      film.panel->prepare(display.image ? display.image->width : display.columns,
+                          display.image ? display.image->height : display.rows);
+    }
     const auto& images = shape.compiled.images;
     const auto own = std::find_if(images.begin(), images.end(),
                                   [&](const fixtures::ImageSource& image) { return image.files == type.files; });

@@ -385,7 +385,7 @@ TEST_CASE("tables of gobos stay within their budget, sums along lines before who
   CHECK(bytes > kGoboTableBytesMax / 2);
 }
 
-TEST_CASE("images have room for blurred copies where a mode has a focus, and only there") {
+TEST_CASE("images have room for blurred copies where a type that shows them has a focus, and only there") {
   const auto plan_of = [](const Scene& scene) {
     return plan_gobo_tables(scene.compiled, std::vector<std::uint32_t>(scene.compiled.images.size(), 1), 16);
   };
@@ -396,6 +396,12 @@ TEST_CASE("images have room for blurred copies where a mode has a focus, and onl
   std::vector<std::uint32_t> layers;
   for (const GoboTableRow& row : std::span(focused.rows).first(4)) layers.push_back(row.blurs);
   CHECK(layers == std::vector<std::uint32_t>{1, 2, 3, 0});
+  Scene other = optics_scene(true);  // as if the focus were that of another type
+  for (fixtures::FunctionRow& function : other.compiled.functions) {
+    if (function.param == fixtures::kParamFocus) function.param = fixtures::kParamFrost;
+  }
+  REQUIRE(other.compiled.needs.focus);
+  CHECK(plan_of(other).blur_layers == 0);
 }
 
 TEST_CASE("a rig without gobos, and one whose gobos are sampled, have no tables of gobos") {

@@ -364,8 +364,14 @@ TEST_CASE("report refuses a rig without levels, and measures it with --lit") {
   const Outcome dark = report({"--set", "Dimmer=0"});
   CHECK(dark.exit_code == 2);
   CHECK(contains(dark.err, "no beam is lit"));
+  for (const char* words : {"tiles,gaus_", "tiles,"}) {
+    const Outcome wrong = report({"--lit", "--methods", words});
+    CHECK(wrong.exit_code == 2);
+    CHECK(contains(wrong.err, "expected some of: tiles, gauss, march"));
+    CHECK(wrong.out.empty());
+  }
   for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"--lit"}, std::vector<std::string>{"--set", "Dimmer=0.5"}}) {
+       {std::vector<std::string>{"--lit"}, std::vector<std::string>{"--set", "Dimmer=0.5", "--methods", "til,march"}}) {
     const Outcome lit = report(words);
     INFO(lit.err);
     REQUIRE(lit.exit_code == 0);
@@ -376,6 +382,9 @@ TEST_CASE("report refuses a rig without levels, and measures it with --lit") {
     CHECK(row["rel_l2_high"].get<double>() > row["rel_l2"].get<double>());
     CHECK(row["flip"].is_null());
     CHECK(contains(lit.out, "\"whole-frame\""));
+    CHECK(contains(lit.out, "\"method\":\"tiles\""));
+    CHECK(contains(lit.out, "\"method\":\"march\""));
+    CHECK(contains(lit.out, "\"method\":\"gauss\"") == (words.size() == 1));
     CHECK(contains(lit.out, "\"need\":\"blades\""));
     CHECK(!contains(lit.out, "\"mirrored\""));  // nothing is shiny
     CHECK(contains(lit.out, "\"pass\":\"probes\""));
@@ -391,7 +400,7 @@ TEST_CASE("report measures displays that shine in a rig that nothing drives, and
                                            << "[[display]]\nposition = [0, 4, 2]\nwidth_m = 4\nheight_m = 2\n"
                                            << display;
     more.insert(more.begin(), {"report", folder.file("rig.toml"), "--pictures", "--quick", "--runs", "3", "--size",
-                               "64x36", "--json", "--judge-pixels", "100"});
+                               "64x36", "--json", "--judge-pixels", "100", "--methods", "tiles"});
     return Footlight(more, kNoLeaks).wait();
   };
   const Outcome lit = report("", {});
@@ -431,6 +440,8 @@ TEST_CASE("report measures a rig that has only lasers, and lasers beside beams")
                                             "--judge-pixels",
                                             "100",
                                             "--json",
+                                            "--methods",
+                                            "tiles",
                                             "--csv",
                                             folder.file("rows.csv")};
     std::vector<std::string> dark = words;
@@ -475,7 +486,7 @@ TEST_CASE("report measures a rig with a floor that mirrors, in the picture and o
         << kOnePar << "[[box]]\nname = \"floor\"\nmin = [-4, -4, -1]\nmax = [4, 4, 0]\ngloss = 0.5\n"
         << "[[camera]]\nname = \"c\"\nposition = [0, -8, 2]\ntarget = [" << target << "]\nfov_deg = 40\n";
     const Outcome lit = Footlight({"report", folder.file("rig.toml"), "--lit", "--pictures", "--quick", "--runs", "3",
-                                   "--size", "64x36", "--json", "--judge-pixels", "100"},
+                                   "--size", "64x36", "--json", "--judge-pixels", "100", "--methods", "tiles"},
                                   kNoLeaks)
                             .wait();
     INFO(lit.err);
@@ -497,7 +508,8 @@ TEST_CASE("report has the error of what a shiny floor mirrors, and lists probes 
   const auto report = [&](std::vector<std::string> more) {
     std::vector<std::string> words = {"report", folder.file("rig.toml"), "--lit",          "--pictures", "--quick",
                                       "--runs", "3",                     "--row-seconds",  "0",          "--size",
-                                      "48x27",  "--json",                "--judge-pixels", "100"};
+                                      "48x27",  "--json",                "--judge-pixels", "100",
+                                      "--methods", "tiles"};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome done = Footlight(words, kNoLeaks).wait();
     INFO(done.err);

@@ -71,7 +71,8 @@ MediaPictures::Source MediaPictures::make(const Key& key, const fixtures::MediaP
   Source source;
   source.key = key;
   if (content.map) {
-    source.map.emplace(content, player.universes());
+    source.universes = player.universes();
+    source.map.emplace(content, source.universes);
   } else if (content.video) {
     source.path = content.video->path;
     const NoSignals no_signals;
@@ -136,6 +137,7 @@ MediaPictures::Placed MediaPictures::placed(const std::shared_ptr<const fixtures
 Status MediaPictures::give_changes(const fixtures::MediaPlayer& player, const GivePixels& give) {
   Status status;
   given_.resize(player.shows().size());
+  std::erase_if(sources_, [&](const Source& each) { return each.map && each.universes != player.universes(); });
   for (Source& source : sources_) source.used = false;
   for (std::size_t s = 0; s < player.shows().size(); ++s) {
     const fixtures::MediaPlayer::Show& show = player.shows()[s];
@@ -154,7 +156,8 @@ Status MediaPictures::give_changes(const fixtures::MediaPlayer& player, const Gi
       }
       if (Status updated = update(*source, layer, player); !updated && status) status = updated;
       const fixtures::PictureMap map = map_of(layer.place, show.aspect) * map_of(media.place, show.aspect);
-      now.placed.push_back(placed(source->pixels, map, show, given_[s]));
+      // A dark layer is read, so that it is there once it is faded in, but not moved.
+      now.placed.push_back(layer.share > 0 ? placed(source->pixels, map, show, given_[s]) : Placed{});
       const Placed& there = now.placed.back();
       now.layers.push_back({there.pixels, there.cover, layer.share, layer.color * media.content.color, layer.blend});
     }

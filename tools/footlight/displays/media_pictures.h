@@ -49,6 +49,7 @@ class MediaPictures {
     std::unique_ptr<ClipFeed> clip;
     Opening opening;
     std::optional<fixtures::MapFilm> map;
+    std::vector<Universe> universes;  // of the levels that the map reads
     std::string path;  // of the video
     bool failed = false;
     bool told = false;

@@ -85,6 +85,10 @@ JudgeScene judge_of(const Scene& scene, const FrameSettings& settings, bool on_c
   JudgeScene judge =
       judge_scene(scene.rig, walker, [gobos](int gobo, double x, double y) { return gobos(gobo, x, y).x; });
   if (!only_builtin(scene.compiled)) judge.colors = gobos;
+  // With 64 points of a lens the judge of gobos out of focus is off by up to 1e-2 itself (docs/decisions/0194).
+  for (JudgeBeam& beam : judge.beams) {
+    if (beam.focus_per_m >= 0) beam.blur_points = 1024;
+  }
   judge.glosses.clear();
   if (scene.compiled.needs.plumes) add_plumes(judge, plume_field(scene.puffs, scene.rig.haze.scattering_per_m, 0));
   return judge;

@@ -7,6 +7,8 @@
 #include <memory>
 #include <utility>
 
+#include <fmt/ranges.h>
+
 #include "render/pass.h"
 #include "render/reference/norms.h"
 #include "render/reference/pixel_sample.h"
@@ -282,6 +284,35 @@ std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::
   return knobs;
 }
 
+// Those of PictureReportOptions::methods, and what --error or --ms chose.
+Result<std::vector<Knob>> asked_knobs(const PictureReportOptions& options, const fixtures::Needs& needs) {
+  std::vector<Knob> all = knobs_of(options, needs);
+  if (options.methods.empty()) return all;
+  std::vector<bool> asked(all.size());
+  for (std::size_t at = 0; at <= options.methods.size();) {
+    const std::size_t end = std::min(options.methods.find(',', at), options.methods.size());
+    const std::string word = options.methods.substr(at, end - at);
+    bool any = false;
+    for (std::size_t i = 0; i < all.size() && !word.empty(); ++i) {
+      if (!std::string_view(all[i].method).starts_with(word)) continue;
+      any = asked[i] = true;
+    }
+    if (!any) {
+      std::vector<std::string_view> names;
+      for (const Knob& knob : all) names.emplace_back(knob.method);
+      names.erase(std::unique(names.begin(), names.end()), names.end());
+      return fail(ErrorCode::kBadInput, "--methods: no row of this scene begins with \"{}\"; expected some of: {}", word,
+                  fmt::join(names, ", "));
+    }
+    at = end + 1;
+  }
+  std::vector<Knob> some;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (asked[i] || std::string_view(all[i].method) == "chosen") some.push_back(all[i]);
+  }
+  return some;
+}
+
 // Times the frame as `footlight render` draws it, and counts its bodies and the classes of its beams.
 Status measure_whole(vk::Device& device, const Scene& scene, const View& view, const PictureReportOptions& options,
                      PictureReport& report) {
@@ -482,8 +513,10 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
   PictureReport report;
   report.device = fmt::format("{} ({})", device.name(), device.driver());
   const View view = view_of(scene.camera);
+  FL_ASSIGN(std::vector<Knob> all_knobs, asked_knobs(options, scene.compiled.needs));
   FL_TRY(measure_whole(device, scene, view, options, report));
   if (report.ended) return report;
+  if (report.only_lasers) all_knobs.clear();
 
   Judged judged;
   if (options.judge) {
@@ -505,8 +538,6 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
   if (options.on_judged) options.on_judged(report);
   const FrameSettings defaults;
   std::vector<float> without_air, without_surfaces;  // of rivals without a unit; empty: not drawn yet
-  const std::vector<Knob> all_knobs =
-      report.only_lasers ? std::vector<Knob>() : knobs_of(options, scene.compiled.needs);
   const auto fitted = std::count_if(all_knobs.begin(), all_knobs.end(), [&](const Knob& knob) {
     return options.judge && knob.rival != nullptr && !knob.rival->has_unit;
   });

@@ -49,6 +49,8 @@ struct PictureReportOptions {
   bool judge = true;                                         // false: only times are measured
   bool rivals = false;                                       // rows of the methods of render/rivals
   bool quick = false;                                        // of those, quick_knobs
+  // Only rows whose method begins with one of these words, which commas part; empty: all rows.
+  std::string methods;
   double row_seconds = 1e9;  // a row takes no more frames after that time, but at least three
   // Optional. on_judged is called when the judge is done, on_row after each row, which is the last of report.rows.
   std::function<void(const PictureReport&report)> on_judged, on_row;
@@ -101,7 +103,7 @@ struct PictureReport {
 
 // Times and compares the same frames. They have no bodies, no lenses and no widening of thin beams, because the judge
 // computes none of these. Lit lasers have a row of their own, the last one. kBadInput if neither a beam nor a laser of
-// the scene is lit, because the error of a black picture has no meaning.
+// the scene is lit, because the error of a black picture has no meaning, and if no row has one of `methods`.
 [[nodiscard]] Result<PictureReport> make_picture_report(render::vk::Device& device, const Scene& scene,
                                                         const PictureReportOptions& options);
 

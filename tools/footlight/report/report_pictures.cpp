@@ -61,6 +61,7 @@ struct PictureArguments {
   std::string ms;
   bool no_judge = false;
   bool rivals = false;
+  std::string methods;
   double row_seconds = PictureReportOptions{}.row_seconds;
   bool lit = false;
   std::vector<std::string> sets;
@@ -360,6 +361,7 @@ PictureReportOptions options_of(const PictureArguments& arguments, const Picture
   pictures.penumbra = arguments.shadows.penumbra;
   pictures.judge = !arguments.no_judge;
   pictures.rivals = arguments.rivals;
+  pictures.methods = arguments.methods;
   pictures.quick = options.quick;
   pictures.row_seconds = arguments.row_seconds;
   if (options.quick) {
@@ -576,6 +578,8 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.flag("--rivals", chosen->rivals,
                  "also rows of other methods: marches along the whole ray, equi-angular samples, froxels, cone meshes, "
                  "cards, clusters of lights on surfaces");
+  arguments.option("--methods", chosen->methods, "NAME,NAME",
+                   "only rows whose method begins with one of these, as in tiles,gauss");
   arguments.option("--row-seconds", chosen->row_seconds, 0, 1e9,
                    "take no more than three frames of a row after that many seconds");
   arguments.flag("--lit", chosen->lit, "without a log: every fixture at full, open and white, its axes in the middle");
