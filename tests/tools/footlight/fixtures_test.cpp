@@ -424,6 +424,11 @@ TEST_CASE("the report has the colours of a definition as drawn and as defined, a
   CHECK(contains(text.out, "a.ies: the candela integrate to 1256.64 lm, +25.66 % from the 1000.00 lm"));
 }
 
+TEST_CASE("the optics of a type that has none are said to be none") {
+  const std::string server = FOOTLIGHT_SOURCE_DIR "/fixtures/builtin/media_server.toml";
+  CHECK(footlight({"fixtures", "show", server, "--optics"}).out == "no beams and no colours\n");
+}
+
 TEST_CASE("the optics of a type with a given profile are those of that profile, as text and as JSON") {
   const std::string wash = FOOTLIGHT_SOURCE_DIR "/fixtures/builtin/wash.toml";
   const Outcome shown = footlight({"fixtures", "show", wash, "--optics"});

@@ -99,7 +99,7 @@ std::string optics_of_type(const FixtureType& type) {
     add_line(line);
   }
   const std::vector<ColorError> rows = color_report(type);
-  if (rows.empty()) return text;
+  if (rows.empty()) return text.empty() ? "no beams and no colours\n" : text;
   text += "Colours as drawn: CIEDE2000 to the definition, and the part of it that mixing in RGB causes\n";
   double worst = 0;
   double sum = 0;
