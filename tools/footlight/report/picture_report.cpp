@@ -301,7 +301,7 @@ Result<std::vector<Knob>> asked_knobs(const PictureReportOptions& options, const
       std::vector<std::string_view> names;
       for (const Knob& knob : all) names.emplace_back(knob.method);
       names.erase(std::unique(names.begin(), names.end()), names.end());
-      return fail(ErrorCode::kBadInput, "--methods: no row of this scene begins with \"{}\"; expected some of: {}", word,
+      return fail(ErrorCode::kBadInput, "--methods: no row of the scene begins with \"{}\"; expected some of: {}", word,
                   fmt::join(names, ", "));
     }
     at = end + 1;
