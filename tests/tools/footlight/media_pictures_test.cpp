@@ -25,12 +25,15 @@ using testing::must;
 
 constexpr std::size_t kContent = 2, kPlay = 3, kSpeed = 4;
 
+void write_png(const std::string& path, int width, int height, const std::vector<std::uint8_t>& rgb) {
+  const auto png = fixtures::png_of(width, height, 3, rgb);
+  std::ofstream(path, std::ios::binary) << std::string(reinterpret_cast<const char*>(png.data()), png.size());
+}
+
 // A server with an image (1), a video of ten pictures (2), a pixel map of universe 2 (3) and even light (4).
 fixtures::Rig rig_in(const testing::TempFolder& folder) {
   write_clip(folder.file("a.mkv"), 10);
-  const auto png = fixtures::png_of(2, 1, 3, std::vector<std::uint8_t>{255, 0, 0, 0, 255, 0});
-  std::ofstream(folder.file("a.png"), std::ios::binary)
-      << std::string(reinterpret_cast<const char*>(png.data()), png.size());
+  write_png(folder.file("a.png"), 2, 1, {255, 0, 0, 0, 255, 0});
   return must(fixtures::parse_rig(
       "[rig]\nname = \"x\"\n[[fixture]]\nname = \"Server\"\ntype = \"generic/media-server\"\nuniverse = 1\n"
       "address = 1\nposition = [0, 0, 0]\nmedia = [\n{ number = 1, image = \"a.png\" },\n"
@@ -96,9 +99,7 @@ fixtures::Rig placed_rig(const testing::TempFolder& folder) {
   write_clip(folder.file("a.mkv"), 3);
   std::vector<std::uint8_t> fine;
   for (int i = 0; i < 16 * 8; ++i) fine.insert(fine.end(), 3, (i + i / 16) % 2 == 0 ? 255 : 0);
-  const auto png = fixtures::png_of(16, 8, 3, fine);
-  std::ofstream(folder.file("a.png"), std::ios::binary)
-      << std::string(reinterpret_cast<const char*>(png.data()), png.size());
+  write_png(folder.file("a.png"), 16, 8, fine);
   return must(fixtures::parse_rig(
       "[rig]\nname = \"x\"\n[[fixture]]\nname = \"Server\"\ntype = \"generic/media-server\"\nmode = \"70 channels\"\n"
       "universe = 1\naddress = 1\nposition = [0, 0, 0]\nmedia = [\n{ number = 1, image = \"a.png\" },\n"
