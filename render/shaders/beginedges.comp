@@ -69,7 +69,7 @@ void sample_box(ivec2 low, uint b) {
 }
 
 void sample_boxes(ivec2 low) {
-  for (uint first = 0u; first < params.box_count; first += FL_GROUP_EDGES) {
+  for (uint first = 0u; first < FL_NOT_IN_CODE(params.box_count); first += FL_GROUP_EDGES) {
     barrier();  // those of the round before have been read
     if (gl_LocalInvocationIndex == 0u) near_count = 0u;
     barrier();

@@ -26,7 +26,7 @@ shared uint begin_count;
 void main() {
   uint own = gl_LocalInvocationIndex;
   uint tiles_x = (params.width + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX);
-  uint tile_rows = (params.height + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX);
+  uint tile_rows = (FL_NOT_IN_CODE(params.height) + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX);
   uint part_count = 0u;
   uint used = push.room;  // so a part begins with the first row
   for (uint first = 0u; first < tile_rows; first += FL_GROUP_PARTS) {

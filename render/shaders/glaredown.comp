@@ -24,7 +24,7 @@ vec3 fine_light(ivec2 p) {
   ivec2 size = ivec2(push.fine_width, push.fine_height);
   if (any(lessThan(p, ivec2(-margin))) || any(greaterThanEqual(p, size + margin))) return vec3(0.0);
   if (!kFirst) return glare_at(ivec2(push.fine_x, push.fine_y), p);
-  int side = int(params.supersample);
+  int side = int(FL_NOT_IN_CODE(params.supersample));
   vec3 sum = vec3(0.0);
   for (int row = 0; row < side; ++row) {
     for (int column = 0; column < side; ++column) {

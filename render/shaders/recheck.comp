@@ -157,6 +157,7 @@ void main() {
   Sheen sheen;
   if (shows_sheen) sheen = surface_sheen(ivec2(pixel), surface, albedo_of(surface));
   vec3 air = vec3(0.0);
+  bool scatters = uintBitsToFloat(FL_NOT_IN_CODE(floatBitsToUint(params.forward.w))) > 0.0;
   for (uint index = empty ? counts.live_count : lane; index < counts.live_count; index += kThreads) {
     BeamRow row = beams[index];
     gobo_begin(index);
@@ -172,10 +173,11 @@ void main() {
         lx += light;
       }
     }
-    if (params.forward.w > 0.0) air += light_in_air(row, index, medium, d, surface.t_m);
+    if (scatters) air += light_in_air(row, index, medium, d, surface.t_m);
   }
   vec3 small = vec3(0.0);
-  for (uint head = empty || !kSmallLenses ? params.head_count : lane; head < params.head_count; head += kThreads) {
+  uint heads_end = FL_NOT_IN_CODE(params.head_count);
+  for (uint head = empty || !kSmallLenses ? params.head_count : lane; head < heads_end; head += kThreads) {
     if (lenses[head].place.w > 0.0) small += lens_splat(lenses[head], vec2(pixel) + 0.5, surface.t_m);
   }
   sum_lenses[lane] = small;

@@ -23,7 +23,7 @@ void main() {
   vec3 sums[4] = vec3[4](vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
   float shown_m[4] = float[4](0.0, 0.0, 0.0, 0.0);
   bool ready = false;
-  for (uint from = 0u; from < params.head_count; from += kThreads) {
+  for (uint from = 0u; from < FL_NOT_IN_CODE(params.head_count); from += kThreads) {
     barrier();
     if (thread < kThreads / 32u) near_bits[thread] = 0u;
     barrier();

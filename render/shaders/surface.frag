@@ -22,7 +22,8 @@ void main() {
 #endif
 #ifdef FL_MIRROR
   // Of a mirrored camera: nothing below the mirror, nor its face.
-  if (params.mirror_m > 0.0 && in_offset_m.z < params.mirror_m + 1e-3) discard;
+  bool below = in_offset_m.z < params.mirror_m + 1e-3;
+  if (params.mirror_m > 0.0 && below) discard;
 #endif
   vec3 face = cross(dFdx(in_offset_m), dFdy(in_offset_m));
   if (dot(face, in_offset_m) > 0.0) face = -face;

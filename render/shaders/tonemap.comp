@@ -35,7 +35,7 @@ vec3 with_glare(vec3 sum, float pixels, ivec2 pixel) {
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  int side = int(params.supersample);
+  int side = int(FL_NOT_IN_CODE(params.supersample));
   if (pixel.x * side >= int(params.width) || pixel.y * side >= int(params.height)) return;
   vec3 sum = vec3(0.0);
   for (int y = 0; y < side; ++y) {

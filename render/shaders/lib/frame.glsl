@@ -6,6 +6,10 @@
 
 // A uniform buffer: the same for all threads, which drivers then read once, without a loop over lanes or a register.
 layout(set = 0, binding = FL_BINDING_PARAMS, std140) uniform ParamsBuffer { FrameParams params; };
+// For a condition, or a number of rounds, that depends on `params` alone, in compute shaders. Mesa's lavapipe 22.3 puts
+// such values into the code: it compiles the shader again for each dispatch, and keeps the code until the device ends.
+// It does not do so with what it cannot compute from uniform buffers.
+#define FL_NOT_IN_CODE(value) (gl_NumWorkGroups.x == 0u ? 0u : (value))
 
 #ifdef FL_USE_HEADS
 #include "sim/shared/turns.h"

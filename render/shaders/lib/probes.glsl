@@ -51,7 +51,7 @@ vec3 probes_mirrored(Sheen sheen, float metal, vec3 normal, vec3 offset_m, out f
     vec2 parts = facet.share * vec2(1.0 - facet.fresnel, facet.fresnel);
     weights += parts;
     float left = 1.0;
-    for (uint i = 0u; i < params.probe_count && left > 0.0 && facet.share > 0.0; ++i) {
+    for (uint i = 0u; i < FL_NOT_IN_CODE(params.probe_count) && left > 0.0 && facet.share > 0.0; ++i) {
       ProbeRow probe = probes[i];
       float weight = min(probe_weight(place, probe.low.xyz, probe.high.xyz, probe.low.w), left);
       if (!(weight > 0.0)) continue;

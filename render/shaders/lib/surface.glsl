@@ -38,7 +38,7 @@ Surface triangle_of(uvec2 id) {
                  sheen);
 }
 float triangle_depth(ivec2 pixel) {
-  if (params.computed_triangles == 0u) return texelFetch(depth_image, pixel, 0).x;
+  if (FL_NOT_IN_CODE(params.computed_triangles) == 0u) return texelFetch(depth_image, pixel, 0).x;
   return uintBitsToFloat(pixel_depths[uint(pixel.y) * params.width + uint(pixel.x)]);
 }
 Surface triangle_at(ivec2 pixel) {
@@ -61,7 +61,7 @@ Surface surface_at(ivec2 pixel, vec3 ray) {
     float nearest_m = hit.t_m;
     float begin_m = ray_begin(ray) * (1.0 - 1e-5);
     uint nearest = ~0u;
-    for (uint b = 0u; b < params.box_count; ++b) {
+    for (uint b = 0u, boxes_end = FL_NOT_IN_CODE(params.box_count); b < boxes_end; ++b) {
       vec3 to_low = boxes[b].low.xyz * inverse - start;
       vec3 to_high = boxes[b].high.xyz * inverse - start;
       vec3 in_m = min(to_low, to_high);
