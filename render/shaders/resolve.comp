@@ -106,7 +106,8 @@ void main() {
     return;
   }
   uint triangle = ~key;
-  bool is_object = FL_NOT_IN_CODE(params.object_level) != FL_NONE && triangle >= levels[params.object_level].triangle_first;
+  bool is_object =
+      FL_NOT_IN_CODE(params.object_level) != FL_NONE && triangle >= levels[params.object_level].triangle_first;
   Corners c;
   uint id;
   if (is_object) {
