@@ -157,7 +157,7 @@ void main() {
   Sheen sheen;
   if (shows_sheen) sheen = surface_sheen(ivec2(pixel), surface, albedo_of(surface));
   vec3 air = vec3(0.0);
-  bool scatters = uintBitsToFloat(FL_NOT_IN_CODE(floatBitsToUint(params.forward.w))) > 0.0;
+  bool scatters = FL_NOT_IN_CODE(uint(params.forward.w > 0.0)) != 0u;
   for (uint index = empty ? counts.live_count : lane; index < counts.live_count; index += kThreads) {
     BeamRow row = beams[index];
     gobo_begin(index);

@@ -287,14 +287,14 @@ TEST_CASE("pictures of a camera in the beam, at the lens and in front of the len
   }
 }
 
+// No multiple of a tile.
+const FrameSettings kOddSize{.width = 97, .height = 61};
+
 TEST_CASE("a picture does not depend on earlier pictures of its frame or another frame, to the bit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(15, true);
-  FrameSettings settings;
-  settings.width = 97;
-  settings.height = 61;
-  const RadianceImage first = draw_new(vulkan.device(), scene, settings);
+  const RadianceImage first = draw_new(vulkan.device(), scene, kOddSize);
   double brightest = 0;
   for (const float value : first.rgb) {
     REQUIRE(std::isfinite(value));
@@ -302,12 +302,12 @@ TEST_CASE("a picture does not depend on earlier pictures of its frame or another
   }
   CHECK(brightest > 1);
 
-  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const auto frame = make_frame(vulkan.device(), scene, kOddSize);
   for (int i = 0; i < 2; ++i) CHECK(draw(*frame, scene).rgb == first.rgb);
   // Other levels, another camera, another exposure, and another frame of another size.
   Scene other = demo_scene(16, true);
   other.camera = scene.rig.cameras.at(1);
-  FrameSettings small = settings;
+  FrameSettings small = kOddSize;
   small.width = 33;
   small.height = 20;
   small.nodes = 5;
@@ -323,10 +323,7 @@ TEST_CASE("ten more pictures of the demo take less than 300 kB of the heap") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(15, true);
-  FrameSettings settings;
-  settings.width = 97;
-  settings.height = 61;
-  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const auto frame = make_frame(vulkan.device(), scene, kOddSize);
   const auto heap_after = [&](int pictures) {
     for (int i = 0; i < pictures; ++i) must(frame->draw(view_of(scene.camera), 8));
     return mallinfo2().uordblks;
