@@ -262,6 +262,8 @@ TEST_CASE("invalid arguments of trace are reported, and no file is left") {
            {{"--at", "1s", "--lit", "--fixture", "Spott"}, 3, "Spott"},
            {{"--at", "1s", "--lit", "--head", "7"}, 3, "--head 7"},
            {{"--at", "1s", "--set", "Pann=3"}, 3, "Pann"},
+           {{"--at", "1s", "--set", "Pan=300"}, 2, "--set Pan=300: expected -270 to 270 for Pan, got 300"},
+           {{"--at", "1s", "--set", "Gobo1=99"}, 2, "--set Gobo1=99: expected 1 to "},
            {{"--at", "1s", "--set", "Pan"}, 2, "--set Pan: expected ATTRIBUTE=NUMBER or FIXTURE:ATTRIBUTE=NUMBER, for"},
            {{"--at", "1s", "--set", "Pan="}, 2, "--set Pan=: expected a number behind =, got nothing, for example"},
            {{"--at", "1s", "--set", "Pan=nan"}, 2, "--set Pan=nan: expected a finite number behind =, got nan, for"},

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "fixtures/compile/compile_type.h"
@@ -394,6 +395,25 @@ bool HandLevels::encode(std::size_t index, std::string_view attribute, double va
   return fixture.patched && fixtures::encode_attribute(rig_, fixture, attribute, value, slots_of(fixture));
 }
 
+namespace {
+
+// Of all channels of some fixtures that have an attribute.
+struct ValueRange {
+  double least = std::numeric_limits<double>::infinity();
+  double most = -std::numeric_limits<double>::infinity();
+};
+void add_range(const fixtures::Rig& rig, const fixtures::PatchedFixture& fixture, std::string_view attribute,
+               ValueRange& range) {
+  for (const fixtures::Channel& channel : fixtures::mode_of(rig, fixture).channels) {
+    const auto nearest = fixtures::nearest_raw(fixtures::type_of(rig, fixture), channel, attribute, 0);
+    if (!nearest) continue;
+    range.least = std::min(range.least, nearest->least);
+    range.most = std::max(range.most, nearest->most);
+  }
+}
+
+}  // namespace
+
 Status set_by_hand(const std::string& text, const fixtures::Rig& rig, HandLevels& hand) {
   const std::size_t equals = text.rfind('=');
   const std::size_t colon = equals == std::string::npos ? std::string::npos : text.rfind(':', equals);
@@ -415,15 +435,24 @@ Status set_by_hand(const std::string& text, const fixtures::Rig& rig, HandLevels
   if (colon == 0) return expected("the name of a fixture before the colon, got nothing");
   bool known = name.empty();
   bool any = false;
+  ValueRange range;
   for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
     if (!name.empty() && rig.fixtures[i].name != name) continue;
     known = true;
-    any = hand.encode(i, attribute, value) || any;
+    if (!hand.encode(i, attribute, value)) continue;
+    any = true;
+    add_range(rig, rig.fixtures[i], attribute, range);
   }
   if (!known) return fail(ErrorCode::kNotFound, "--set {}: there is no fixture '{}'", text, name);
   if (!any) {
     return fail(ErrorCode::kNotFound, "--set {}: no {} has a channel for {}; 'footlight fixtures show' lists them",
                 text, name.empty() ? "fixture" : "such fixture", attribute);
+  }
+  // A float's worth of rounding of the ends, which definitions give in decimals.
+  const double slack = 1e-6 * std::max(std::abs(range.least), std::abs(range.most));
+  if (value < range.least - slack || value > range.most + slack) {
+    return fail(ErrorCode::kBadInput, "--set {}: expected {:.6g} to {:.6g} for {}, got {}", text, range.least,
+                range.most, attribute, number);
   }
   return {};
 }
