@@ -14,6 +14,7 @@
 #include "fixtures/model/rig.h"
 #include "render/resources.h"
 #include "render/settings.h"
+#include "render/shaders/shared/shadow_map.h"
 #include "render/vk/pipeline.h"
 
 namespace footlight::render {
@@ -129,6 +130,12 @@ struct PassEntry {
 // Texels a side of shadow maps; 0: there are none.
 [[nodiscard]] inline std::uint32_t shadow_map_px(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shadows(needs, settings) && settings.shadow_map_px != kShadowsSuited ? settings.shadow_map_px : 0;
+}
+// Whether beams whose shadows are rows of maps have a shader of their own in the air.
+[[nodiscard]] inline bool has_row_beams(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return shadow_map_px(needs, settings) == FL_MAP_ROWS && has_air(needs, settings) && !uneven_haze(needs) &&
+         settings.method == BeamMethod::kGauss && settings.nodes <= FL_ROW_NODES_MAX &&
+         settings.view == FrameView::kPicture;
 }
 // Points of a lens from which exact shadows are cast; 1 where maps stand for them.
 [[nodiscard]] inline std::uint32_t lens_points(const fixtures::Needs& needs, const FrameSettings& settings) {

@@ -8,11 +8,40 @@
 #include "shaders/hazebeams.comp.h"
 #include "shaders/hazegobobeams.comp.h"
 #include "shaders/hazerowgobobeams.comp.h"
+#include "shaders/rowbeams.comp.h"
 #include "shaders/rowgobobeams.comp.h"
 
 namespace footlight::render {
 
+namespace {
+
 // Dispatched indirectly: a frame in which nothing is lit does no work here.
+class BeamsPass final : public Pass {
+ public:
+  BeamsPass(BoundPipeline by_rows, BoundPipeline all, VkBuffer counts)
+      : by_rows_(std::move(by_rows)), all_(std::move(all)), counts_(counts) {}
+
+  void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
+    if (by_rows_.pipeline) {
+      dispatch(commands, by_rows_);
+      vk::full_barrier(commands);
+    }
+    dispatch(commands, all_);
+  }
+
+ private:
+  void dispatch(VkCommandBuffer commands, const BoundPipeline& pipeline) {
+    pipeline.bind(commands);
+    vkCmdDispatchIndirect(commands, counts_, offsetof(CountsRow, beams_groups));
+  }
+
+  BoundPipeline by_rows_;  // none where no shadows are rows of maps
+  BoundPipeline all_;      // of what that has left
+  VkBuffer counts_;
+};
+
+}  // namespace
+
 const PassEntry kBeamsPass{
     "beams",
     has_air,
@@ -38,12 +67,13 @@ const PassEntry kBeamsPass{
                                         {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
                                         {FL_SPEC_HAZE, uneven_haze(needs)},
                                         {FL_SPEC_GLOSS, has_gloss(needs, settings)},
+                                        {FL_SPEC_ROW_BEAMS, has_row_beams(needs, settings)},
                                         {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)},
                                         {FL_SPEC_GOBO_METHOD, settings.gobo_method == GoboMethod::kSuited
                                                                   ? FL_GOBO_TABLES
                                                                   : static_cast<uint>(settings.gobo_method)}});
     },
-    [](const PassContext& context) {
+    [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       const bool haze = has_constant(context, FL_SPEC_HAZE);
       vk::Spirv spirv = haze ? vk::Spirv(kHazebeamsComp) : vk::Spirv(kBeamsComp);
       if (has_constant(context, FL_SPEC_GOBO)) {
@@ -53,14 +83,17 @@ const PassEntry kBeamsPass{
           spirv = haze ? vk::Spirv(kHazerowgobobeamsComp) : vk::Spirv(kRowgobobeamsComp);
         }
       }
-      return make_compute_pass(context, spirv,
-                               [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
-                                 vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, beams_groups));
-                               });
+      BoundPipeline by_rows;
+      if (has_constant(context, FL_SPEC_ROW_BEAMS)) {
+        FL_ASSIGN(by_rows, BoundPipeline::compute(context, kRowbeamsComp, context.constants));
+      }
+      FL_ASSIGN(BoundPipeline all, BoundPipeline::compute(context, spirv, context.constants));
+      return std::unique_ptr<Pass>(
+          new BeamsPass(std::move(by_rows), std::move(all), context.resources.rig.counts.handle));
     },
     [] {
       return std::vector<std::vector<vk::Spirv>>{
-          {kBeamsComp},     {kGobobeamsComp},     {kRowgobobeamsComp},
+          {kRowbeamsComp},  {kBeamsComp},     {kGobobeamsComp},     {kRowgobobeamsComp},
           {kHazebeamsComp}, {kHazegobobeamsComp}, {kHazerowgobobeamsComp}};
     },
     "beams in the air"};

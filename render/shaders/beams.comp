@@ -1,7 +1,8 @@
 #version 460
 // Light in the haze, pixel by pixel: adds the in-scattered light of every beam along the pixel's ray, up to the surface
 // it shows. With tile classes, of the beams that the fine pass has left. FL_GOBO_BEAMS: beams may have gobos.
-// FL_USE_HAZE: haze is not even.
+// FL_USE_HAZE: haze is not even. FL_ROW_BEAMS: rowbeams.comp, for the beams with FL_BEAM_ROWS alone, whose shadows are
+// rows of maps and whose light is that of nodes. It has no code for others, so more of its threads run at a time.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -16,6 +17,10 @@
 #define FL_USE_FINE_MASKS
 #define FL_FINE_MASKS_ACCESS readonly
 #include "render/shaders/lib/frame.glsl"
+#ifdef FL_ROW_BEAMS
+#define FL_SERIES_TWICE
+#endif
+layout(constant_id = FL_SPEC_ROW_BEAMS) const bool kRowBeams = false;
 #include "render/shaders/lib/forms.glsl"
 #include "render/shaders/lib/view.glsl"
 #ifdef FL_GOBO_BEAMS
@@ -38,7 +43,11 @@ layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 const bool kSolids = kBoxes || kBodies;
+#ifdef FL_ROW_BEAMS
+#define FL_DEPTHS_ACCESS
+#else
 #define FL_DEPTHS_ACCESS readonly
+#endif
 #define FL_DEPTHS_READ
 #include "render/shaders/lib/tile_depth.glsl"
 #include "render/shaders/lib/shadow_rect.glsl"
@@ -73,12 +82,25 @@ bool tile_takes(uint beam, uint number);
 
 #include "render/shaders/lib/shadow_walk.glsl"
 
+#ifdef FL_ROW_BEAMS
+shared uint walk_leaves;  // the tile has other beams
+#endif
 // The tile itself, 16 x 16 pixels.
 bool tile_takes(uint beam, uint number) {
   BeamRow row = beams[beam];
   vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
   vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
+  bool by_rows = kRowBeams && (row.flags & FL_BEAM_ROWS) != 0u;
+#ifndef FL_ROW_BEAMS
+  if (by_rows) return false;
+#endif
   if (!beam_touches(row, beam_bound(row, 1.0), low, high)) return false;
+#ifdef FL_ROW_BEAMS
+  if (!by_rows) {
+    atomicOr(walk_leaves, 1u);
+    return false;
+  }
+#endif
   if (kShadows) walk_pairs[number] = picks_here(beam).count;
   return true;
 }
@@ -152,6 +174,13 @@ vec3 parts_light(ShadowParts parts, BeamShape beam, BeamRow row, Medium medium, 
   return value;
 }
 
+#ifdef FL_ROW_BEAMS
+vec3 chord_light(uint index, uint number, uint begin, BeamShape beam, BeamRow row, Medium medium, Chord chord, vec3 ray,
+                 uint nodes, bool gobo, uint found, bool subtracts) {
+  if (found == 0u) return vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
+  return vec3(row_light(index, beam, medium, chord, ray, row_line(row, chord, ray), subtracts));
+}
+#else
 // Of a chord: the mean over the points of the lens from which shadows are cast. Where light is computed at nodes alone,
 // they only change the weights of the whole chord's nodes; else each point has its own parts.
 const uint kTurns = kLensPoints > 1u ? kLensPoints + 1u : 1u;
@@ -196,6 +225,7 @@ vec3 chord_light(uint index, uint number, uint begin, BeamShape beam, BeamRow ro
   }
   return value;
 }
+#endif
 
 // Adds the light of one beam to the thread's pixels. number: in the walk; begin: of its beams that are tested together.
 void add_beam(uint index, uint number, uint begin, Medium medium, vec3 d[FL_ROWS], float t_max_m[FL_ROWS],
@@ -248,6 +278,13 @@ void add_beam(uint index, uint number, uint begin, Medium medium, vec3 d[FL_ROWS
 }
 
 void main() {
+  uint tile = gl_WorkGroupID.y * tiles_across() + gl_WorkGroupID.x;
+#ifdef FL_ROW_BEAMS
+  if (gl_LocalInvocationIndex == 0u) walk_leaves = 0u;
+  barrier();
+#else
+  if (kRowBeams && tile_depths[tile].beams_left == 0u) return;
+#endif
   Medium medium = Medium(params.anisotropy, params.position.w);
   vec3 d[FL_ROWS];
   float t_max_m[FL_ROWS];
@@ -275,6 +312,10 @@ void main() {
       begin = end;
     }
   }
+#ifdef FL_ROW_BEAMS
+  barrier();
+  if (gl_LocalInvocationIndex == 0u) tile_depths[tile].beams_left = walk_leaves;
+#endif
   [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
     ivec2 pixel = tile_pixel(i);
     if (!in_picture(pixel)) continue;

@@ -22,5 +22,5 @@ void main() {
   BeamRow row = beams[index];
   row.eye.xyz += to_light(row, vec3(push.x_m, push.y_m, push.z_m));
   beams[index].eye = row.eye;
-  beams[index].flags = (row.flags & ~FL_BEAM_THIN) | (thin_somewhere(row) ? FL_BEAM_THIN : 0u);
+  beams[index].flags = view_flags(row);
 }

@@ -210,9 +210,9 @@ void write_beams(uint index, uint first) {
       j0_spread = copy_spread;
     }
     beam.j0.rgb = vec3(state.red, state.green, state.blue) * (j0 * light);
-    beam.flags &= ~(FL_BEAM_THIN | FL_BEAM_PLAIN);
-    if (thin_somewhere(beam)) beam.flags |= FL_BEAM_THIN;
+    beam.flags &= ~FL_BEAM_PLAIN;
     if (is_plain(beam)) beam.flags |= FL_BEAM_PLAIN;
+    beam.flags = view_flags(beam);
     beams[first + b] = beam;
     if (kBlades && (beam.flags & FL_BEAM_BLADES) != 0u) {
       for (uint i = 0u; i < 4u; ++i) {

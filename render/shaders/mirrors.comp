@@ -154,8 +154,8 @@ BeamRow mirrored(MirrorBallRow ball, Placed placed, uint lamp_beam, vec3 normal)
   beam.j0 = vec4(0.0);
   float factor = beam_flux_factor(beam_shape(beam));
   beam.j0.rgb = lux * (ball.reflectance * ball.mirror_m * ball.mirror_m / factor);
-  if (thin_somewhere(beam)) beam.flags |= FL_BEAM_THIN;
   if (is_plain(beam)) beam.flags |= FL_BEAM_PLAIN;
+  beam.flags = view_flags(beam);
   return beam;
 }
 

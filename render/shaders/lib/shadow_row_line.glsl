@@ -13,15 +13,7 @@ struct RowLine {
 };
 const RowLine kNoRow = RowLine(2.0, 0.0, 0.0, 0.0);
 
-// Whether the eye is so far beside the beam, over its radius, that each line through the disc is one row. Thin
-// rectangles are drawn in a space of their own (thin.glsl).
-bool has_rows(BeamRow row, float times) {
-  float w = row.x_axis.w + row.y_axis.w * row.eye.z;
-  if (row.squeeze > 0.0 && beam_thin(row) > 0.0) return false;
-  return dot(row.eye.xy, row.eye.xy) > times * times * w * w;
-}
-const float kRowsFrom = 1.05;
-const float kRowsReadFrom = 1.1;  // so that rounding does not matter
+#include "render/shaders/lib/row_eye.glsl"
 
 const float kRowFar = 65000.0;
 RowLine row_line(BeamRow row, Chord chord, vec3 ray) {

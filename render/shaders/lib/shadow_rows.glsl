@@ -32,10 +32,10 @@ uvec2 row_bits(uint beam, RowLine line) {
   return bits;
 }
 
-// The chord among the places of its line: where it begins, and how many it has.
+// The chord among the places of its line: where it begins, and how much of it a place is.
 struct RowSpan {
   float from;
-  float places;
+  float per_place;  // share of the chord
   uvec2 changes;  // bits of the places within it that differ from the one before
   bool dark;      // its begin is
 };
@@ -44,9 +44,10 @@ RowSpan row_span(RowLine line, uvec2 bits) {
   float scale = kHalf * inversesqrt(max(1.0 - line.offset * line.offset, 1e-6));
   RowSpan span;
   span.from = kHalf + scale * line.s_from;
-  span.places = scale * (line.s_to - line.s_from);
+  float places = scale * (line.s_to - line.s_from);
+  span.per_place = 1.0 / max(places, 1e-6);
   int first = clamp(int(span.from), 0, FL_MAP_ROWS - 1);
-  int last = clamp(int(ceil(span.from + span.places)) - 1, first, FL_MAP_ROWS - 1);
+  int last = clamp(int(ceil(span.from + places)) - 1, first, FL_MAP_ROWS - 1);
   uvec2 differ = bits ^ uvec2(bits.x << 1 | bits.x & 1u, bits.y << 1 | bits.x >> 31);
   // Of the places after `first` up to `last`.
   uvec2 after = uvec2(first < 32 ? 0xfffffffeu << first : 0u, first < 32 ? 0xffffffffu : 0xfffffffeu << (first - 32));
@@ -63,7 +64,7 @@ float row_next(inout RowSpan span) {
   int place = findLSB(word) + (is_low ? 0 : 32);
   word &= word - 1u;
   span.changes = is_low ? uvec2(word, span.changes.y) : uvec2(0u, word);
-  return clamp((float(place) - span.from) / max(span.places, 1e-6), 0.0, 1.0);
+  return clamp((float(place) - span.from) * span.per_place, 0.0, 1.0);
 }
 
 ShadowParts row_parts(uint beam, RowLine line) {

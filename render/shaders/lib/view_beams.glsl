@@ -1,5 +1,7 @@
 // What follows for beams from the camera and the size of its picture. After tile_test.glsl, with FL_USE_COUNTS.
 
+#include "render/shaders/lib/row_eye.glsl"
+
 // Whether the beam is drawn wider than it is at some place (lib/thin.glsl). The distance of a place is convex along the
 // axis and the radius is linear, so an end decides. A tenth is for the softest profile.
 bool thin_somewhere(BeamRow beam) {
@@ -7,6 +9,15 @@ bool thin_somewhere(BeamRow beam) {
   float range_m = beam.axis.w;
   return reach * length(beam.eye.xyz) > beam.x_axis.w ||
          reach * length(beam.eye.xyz - vec3(0.0, 0.0, range_m)) > beam.x_axis.w + beam.y_axis.w * range_m;
+}
+
+// The flags of a beam that follow from the camera beside the others that it has.
+uint view_flags(BeamRow beam) {
+  uint flags = beam.flags & ~(FL_BEAM_THIN | FL_BEAM_ROWS);
+  if (thin_somewhere(beam)) flags |= FL_BEAM_THIN;
+  beam.flags = flags;
+  bool by_rows = (flags & FL_BEAM_PLAIN) != 0u && beam.y_axis.w <= kSeriesSpread && has_rows(beam, kRowsReadFrom);
+  return by_rows ? flags | FL_BEAM_ROWS : flags;
 }
 
 // The indirect arguments of the passes that follow. live: beams.

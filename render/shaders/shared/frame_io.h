@@ -231,7 +231,8 @@
 #define FL_SPEC_PLUMES (52 + FL_LAMP_COUNT)  // machines have plumes: selects another shader
 #define FL_SPEC_PROBES (53 + FL_LAMP_COUNT)  // probes show what surfaces with sheen mirror
 #define FL_SPEC_JOINED (54 + FL_LAMP_COUNT)  // a pixel's depth and key are one word of 64 bits
-#define FL_SPEC_COUNT (55 + FL_LAMP_COUNT)
+#define FL_SPEC_ROW_BEAMS (55 + FL_LAMP_COUNT)  // beams with FL_BEAM_ROWS have a shader of their own
+#define FL_SPEC_COUNT (56 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -612,6 +613,7 @@ struct DisplayRecordRow {
 #define FL_BEAM_BLADES 1u  // cut by the blades of the same number
 #define FL_BEAM_THIN 2u    // somewhere thinner than FrameParams::thin, and drawn wider there (lib/thin.glsl)
 #define FL_BEAM_PLAIN 4u   // round, narrower than 90 degrees, with nothing in it: tiles may take it with others
+#define FL_BEAM_ROWS 8u    // plain, and seen from where the rows of its shadow map can be read (lib/row_eye.glsl)
 #define FL_BEAM_GATE_SHIFT 16  // above it: 1 + the GoboTableRow of the image of its gate; 0: it has none
 
 // Four edges in the gobo plane: what has n . rho <= d passes. xy: n, unit; z: d.
@@ -646,7 +648,7 @@ struct TileDepthRow {
   float near_m;  // along the ray; FL_FAR_M where nothing is
   float far_m;
   uint is_plane;  // one plane, or nothing
-  uint pad;
+  uint beams_left;  // 1: rowbeams.comp has left beams of the tile to the beam pass
   vec4 plane;  // x: 1 / depth at the tile's middle, 1/m; y, z: its change a pixel to the right and down
 };
 

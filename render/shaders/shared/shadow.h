@@ -381,13 +381,12 @@ FL_FN Real chord_inscatter_shaded(BeamShape beam, Medium medium, Chord chord, Ve
   return max(total, Real(0)) * chord_measure(chord);
 }
 
-// The light of a chord up to a share x of its measure, as a sum of Legendre polynomials of 2 x - 1: what Gauss nodes of
-// the whole chord interpolate, in even haze. Each further part of a chord then costs a polynomial, and no light is
-// computed anew.
+// The light of a chord up to a share x of its measure, as a polynomial in u = 2 x - 1: what Gauss nodes of the whole
+// chord interpolate, in even haze. Each further part of a chord then costs a polynomial, and no light is computed anew.
 #define FL_SERIES_NODES_MAX 6
 struct ShadowSeries {
-  Real values[FL_SERIES_NODES_MAX + 1];
-  Real whole;  // up to x = 1
+  Real powers[FL_SERIES_NODES_MAX + 1];  // of u
+  Real whole;                            // up to x = 1
 };
 // n: 2 to FL_SERIES_NODES_MAX.
 FL_FN void shadow_series(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction,
@@ -413,22 +412,23 @@ FL_FN void shadow_series(BeamShape beam, Medium medium, Chord chord, Vec3 d, uin
       here = next;
     }
   }
-  // (2 k + 1) times the integral of P_k is the difference of its neighbours.
+  // (2 k + 1) times the integral of P_k is the difference of its neighbours: a sum of v[k] P_k.
+  Real v[FL_SERIES_NODES_MAX + 1];
+  v[0] = Real(0.5) * (mean[0] - mean[1]);
+  for (int k = 1; k <= FL_SERIES_NODES_MAX; ++k) v[k] = Real(0.5) * (mean[k - 1] - mean[k + 1]);
   series.whole = mean[0];
-  series.values[0] = Real(0.5) * (mean[0] - mean[1]);
-  for (int k = 1; k <= FL_SERIES_NODES_MAX; ++k) series.values[k] = Real(0.5) * (mean[k - 1] - mean[k + 1]);
+  series.powers[0] = v[0] - Real(0.5) * v[2] + Real(0.375) * v[4] - Real(0.3125) * v[6];
+  series.powers[1] = v[1] - Real(1.5) * v[3] + Real(1.875) * v[5];
+  series.powers[2] = Real(1.5) * v[2] - Real(3.75) * v[4] + Real(6.5625) * v[6];
+  series.powers[3] = Real(2.5) * v[3] - Real(8.75) * v[5];
+  series.powers[4] = Real(4.375) * v[4] - Real(19.6875) * v[6];
+  series.powers[5] = Real(7.875) * v[5];
+  series.powers[6] = Real(14.4375) * v[6];
 }
-FL_FN Real shadow_series_until(FL_IN(ShadowSeries) series, uint n, Real x) {
+FL_FN Real shadow_series_until(FL_IN(ShadowSeries) series, Real x) {
   Real u = Real(2) * x - Real(1);
-  Real before = Real(1);
-  Real here = u;
-  Real sum = series.values[0] + series.values[1] * u;
-  for (int k = 1; k < FL_SERIES_NODES_MAX; ++k) {
-    Real next = (Real(2 * k + 1) * u * here - Real(k) * before) / Real(k + 1);
-    sum += uint(k) < n ? series.values[k + 1] * next : Real(0);
-    before = here;
-    here = next;
-  }
+  Real sum = series.powers[FL_SERIES_NODES_MAX];
+  for (int k = FL_SERIES_NODES_MAX - 1; k >= 0; --k) sum = sum * u + series.powers[k];
   return sum;
 }
 

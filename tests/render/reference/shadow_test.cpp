@@ -379,6 +379,69 @@ TEST_CASE("weights of a whole chord's nodes give the light of its parts, and of 
   }
 }
 
+// Error of the polynomial of so many nodes for parts of chords, in beams up to 0.35, which 4 nodes are for: relative L2
+// against 8 nodes for each part.
+template <class ToReal, class Light>
+double series_error(unsigned nodes, const ToReal& until, const Light& light) {
+  Random random(31);
+  double error = 0, square = 0;
+  for (const cases::BeamRay& ray : cases::rays_of("generic", 400, 1)) {
+    if (ray.spread > 0.35F) continue;
+    const double from = random.uniform(0, 1);
+    const double to = random.uniform(from, 1);
+    const double expected = light(ray, from, to);
+    const double own = until(ray, nodes, from, to);
+    error += (own - expected) * (own - expected);
+    square += expected * expected;
+  }
+  return std::sqrt(error / square);
+}
+
+TEST_CASE("the polynomial of a chord's light gives that of its parts, nearer with more nodes, and as near in float") {
+  namespace k = render::f64;
+  namespace kf = render::f32;
+  const auto light = [](const cases::BeamRay& ray, double from, double to) {
+    const k::BeamShape beam{ray.lens_radius_m, ray.spread, ray.range_m, ray.profile_power};
+    const k::Medium medium{ray.anisotropy, ray.extinction_per_m};
+    const glm::dvec3 way(ray.direction);
+    k::Chord chord;
+    if (!k::beam_chord(beam, glm::dvec3(ray.origin_m), way, 0, ray.t_max_m, chord)) return 0.0;
+    return k::chord_inscatter_gauss(beam, medium, k::chord_part(chord, from, to), way, 8, true);
+  };
+  const auto in_double = [](const cases::BeamRay& ray, unsigned nodes, double from, double to) {
+    const k::BeamShape beam{ray.lens_radius_m, ray.spread, ray.range_m, ray.profile_power};
+    const k::Medium medium{ray.anisotropy, ray.extinction_per_m};
+    const glm::dvec3 way(ray.direction);
+    k::Chord chord;
+    if (!k::beam_chord(beam, glm::dvec3(ray.origin_m), way, 0, ray.t_max_m, chord)) return 0.0;
+    k::ShadowSeries series;
+    k::shadow_series(beam, medium, chord, way, nodes, true, series);
+    const double whole = k::chord_inscatter_gauss(beam, medium, chord, way, nodes, true);
+    CHECK(series.whole == doctest::Approx(whole).epsilon(1e-12));
+    CHECK(k::shadow_series_until(series, 1) == doctest::Approx(whole).epsilon(1e-12));
+    CHECK(std::abs(k::shadow_series_until(series, 0)) < 1e-12 * whole + 1e-300);
+    return k::shadow_series_until(series, to) - k::shadow_series_until(series, from);
+  };
+  const auto in_float = [](const cases::BeamRay& ray, unsigned nodes, double from, double to) {
+    const kf::BeamShape beam{ray.lens_radius_m, ray.spread, ray.range_m, ray.profile_power};
+    const kf::Medium medium{ray.anisotropy, ray.extinction_per_m};
+    kf::Chord chord;
+    if (!kf::beam_chord(beam, ray.origin_m, ray.direction, 0, ray.t_max_m, chord)) return 0.0;
+    kf::ShadowSeries series;
+    kf::shadow_series(beam, medium, chord, ray.direction, nodes, true, series);
+    return static_cast<double>(kf::shadow_series_until(series, static_cast<float>(to)) -
+                               kf::shadow_series_until(series, static_cast<float>(from)));
+  };
+  const double four = series_error(4, in_double, light);
+  const double six = series_error(6, in_double, light);
+  const double six_float = series_error(6, in_float, light);
+  std::fprintf(stderr, "light of parts by a polynomial: 4 nodes %.3g, 6 nodes %.3g, in float %.3g\n", four, six,
+               six_float);
+  CHECK(four < 3e-3);
+  CHECK(six < 0.1 * four);
+  CHECK(six_float < six + 1e-5);
+}
+
 // Light of a beam along a ray through the shadows of a body, seen from so many points of the lens.
 double soft_light(const ShadowCase& c, const fixtures::Haze& haze, unsigned points, unsigned nodes) {
   namespace k = render::f64;
