@@ -93,8 +93,9 @@ const PassEntry kBeamsPass{
     },
     [] {
       return std::vector<std::vector<vk::Spirv>>{
-          {kRowbeamsComp},  {kBeamsComp},     {kGobobeamsComp},     {kRowgobobeamsComp},
-          {kHazebeamsComp}, {kHazegobobeamsComp}, {kHazerowgobobeamsComp}};
+          {kBeamsComp},     {kGobobeamsComp},     {kRowgobobeamsComp},
+          {kHazebeamsComp}, {kHazegobobeamsComp}, {kHazerowgobobeamsComp},
+          {kRowbeamsComp}};
     },
     "beams in the air"};
 

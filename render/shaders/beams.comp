@@ -175,10 +175,11 @@ vec3 parts_light(ShadowParts parts, BeamShape beam, BeamRow row, Medium medium, 
 }
 
 #ifdef FL_ROW_BEAMS
+// That the eye is beside the beam was decided with the flag: a second test may decide otherwise by rounding.
 vec3 chord_light(uint index, uint number, uint begin, BeamShape beam, BeamRow row, Medium medium, Chord chord, vec3 ray,
                  uint nodes, bool gobo, uint found, bool subtracts) {
   if (found == 0u) return vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
-  return vec3(row_light(index, beam, medium, chord, ray, row_line(row, chord, ray), subtracts));
+  return vec3(row_light(index, beam, medium, chord, ray, row_line_of(chord, ray), subtracts));
 }
 #else
 // Of a chord: the mean over the points of the lens from which shadows are cast. Where light is computed at nodes alone,

@@ -7,6 +7,7 @@
 
 #include "fixtures/compile/tables.h"
 #include "render/frame.h"
+#include "render/pass.h"
 #include "tests/render/scenes.h"
 
 namespace footlight::render {
@@ -84,6 +85,26 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
     CHECK_MESSAGE(in_plan != out, name);
   }
   CHECK(planned.size() + left_out.size() == kAll.size());
+}
+
+TEST_CASE("beams with rows of shadow maps have a shader of their own in pictures with few nodes and even haze alone") {
+  Needs needs = demo_needs();
+  needs.plumes = false;
+  needs.haze_field = false;
+  FrameSettings settings = every_setting();
+  settings.shadow_map_px = FL_MAP_ROWS;
+  CHECK(has_row_beams(needs, settings));
+  const auto without = [&](auto change) {
+    FrameSettings other = settings;
+    change(other);
+    return !has_row_beams(needs, other);
+  };
+  CHECK(without([](FrameSettings& other) { other.shadow_map_px = 0; }));
+  CHECK(without([](FrameSettings& other) { other.shadow_map_px = FL_MAP_ROWS / 2; }));
+  CHECK(without([](FrameSettings& other) { other.shadows = false; }));
+  CHECK(without([](FrameSettings& other) { other.nodes = FL_ROW_NODES_MAX + 1; }));
+  CHECK(without([](FrameSettings& other) { other.method = BeamMethod::kMarch; }));
+  CHECK(without([](FrameSettings& other) { other.view = FrameView::kClasses; }));
 }
 
 TEST_CASE("the demo rig with all missing needs added has every pass, with every branch") {
@@ -233,6 +254,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_PENUMBRA, 1},
                                 {FL_SPEC_HAZE, 1},
                                 {FL_SPEC_GLOSS, 1},
+                                {FL_SPEC_ROW_BEAMS, 0},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE},
                                 {FL_SPEC_GOBO_METHOD, FL_GOBO_TABLES}}},
                               {"lasers",

@@ -16,12 +16,15 @@ const RowLine kNoRow = RowLine(2.0, 0.0, 0.0, 0.0);
 #include "render/shaders/lib/row_eye.glsl"
 
 const float kRowFar = 65000.0;
-RowLine row_line(BeamRow row, Chord chord, vec3 ray) {
-  if (!has_rows(row, kRowsReadFrom)) return kNoRow;
+RowLine row_line_of(Chord chord, vec3 ray) {
   float ds = -sqrt(max(1.0 - chord.offset * chord.offset, 0.0)) - chord.s_base;
   float below = chord.v_length - ds * chord.w_base * chord.w_slope;
   float z_m = chord.base.z + ray.z * ds * chord.w_base * chord.w_base / max(below, 1e-12);
   return RowLine(chord.offset, chord.s_from, chord.s_to, below > 1e-6 * chord.v_length ? z_m : kRowFar);
+}
+RowLine row_line(BeamRow row, Chord chord, vec3 ray) {
+  if (!has_rows(row, kRowsReadFrom)) return kNoRow;
+  return row_line_of(chord, ray);
 }
 // Numbers of 15 bits in the order of z: bits of half floats from 1/64 m on, and below that, which is next to the lens
 // and behind it, from 0x23ff down with a fourth of their steps. 0 stands for places without any light.

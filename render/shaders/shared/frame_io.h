@@ -613,7 +613,7 @@ struct DisplayRecordRow {
 #define FL_BEAM_BLADES 1u  // cut by the blades of the same number
 #define FL_BEAM_THIN 2u    // somewhere thinner than FrameParams::thin, and drawn wider there (lib/thin.glsl)
 #define FL_BEAM_PLAIN 4u   // round, narrower than 90 degrees, with nothing in it: tiles may take it with others
-#define FL_BEAM_ROWS 8u    // plain, and seen from where the rows of its shadow map can be read (lib/row_eye.glsl)
+#define FL_BEAM_ROWS 8u    // plain, narrow, and seen from where rows of its shadow map can be read (lib/row_eye.glsl)
 #define FL_BEAM_GATE_SHIFT 16  // above it: 1 + the GoboTableRow of the image of its gate; 0: it has none
 
 // Four edges in the gobo plane: what has n . rho <= d passes. xy: n, unit; z: d.

@@ -448,8 +448,9 @@ Status set_by_hand(const std::string& text, const fixtures::Rig& rig, HandLevels
     return fail(ErrorCode::kNotFound, "--set {}: no {} has a channel for {}; 'footlight fixtures show' lists them",
                 text, name.empty() ? "fixture" : "such fixture", attribute);
   }
-  // A float's worth of rounding of the ends, which definitions give in decimals.
-  const double slack = 1e-6 * std::max(std::abs(range.least), std::abs(range.most));
+  // Ends are shown with six digits, and DMX profiles in files end a little short of their function's.
+  const double slack =
+      1e-5 * std::max(std::abs(range.least), std::abs(range.most)) + 2e-4 * (range.most - range.least);
   if (value < range.least - slack || value > range.most + slack) {
     return fail(ErrorCode::kBadInput, "--set {}: expected {:.6g} to {:.6g} for {}, got {}", text, range.least,
                 range.most, attribute, number);
