@@ -165,16 +165,8 @@ float soft_dark_light(BeamShape beam, Medium medium, Chord chord, vec3 ray, uint
   return chord_inscatter_shaded(beam, medium, chord, ray, soft_nodes(nodes), weights, kExtinction);
 }
 
-// With rows of maps only beams with them are tried, so there is no code for others.
-#ifdef FL_HAZE_FIELD
-const bool kByRows = false;
-#else
-const bool kByRows = kMapRows && kNodes <= uint(FL_ROW_NODES_MAX);
-#endif
-
 // The dark part of a beam's light on the ray through a place, over J0 and sigma_s; its shadows are `count` team entries
-// from `first` on. known:
-// false where the place's ray may end at another surface than those of the pixels round it.
+// from `first` on. known: false where the place's ray may end at another surface than those of the pixels round it.
 float dark_light(uint id, BeamRow row, BeamShape beam, uint first, uint count, RectDepth depth, Medium medium,
                  uint nodes, vec2 at, inout bool known) {
 #ifdef FL_HAZE_FIELD
@@ -188,7 +180,8 @@ float dark_light(uint id, BeamRow row, BeamShape beam, uint first, uint count, R
   Chord chord;
   if (!beam_chord(beam, row.eye.xyz, ray, 0.0, end_m, chord)) return 0.0;
   known = known && (!kSolids || depth.is_plane || chord.t_base_m + chord.t_to_m <= depth.near_m);
-  if (kByRows) return count > 0u ? row_light(id, beam, medium, chord, ray, row_line_of(chord, ray), true) : 0.0;
+  // May be smooth: then it has rows, and there is no code for others.
+  if (kSeries) return count > 0u ? row_light(id, beam, medium, chord, ray, row_line_of(chord, ray), true) : 0.0;
   ShadowChord ends = shadow_chord(row, beam, chord, ray);
   if (kLensPoints > 1u) return soft_dark_light(beam, medium, chord, ray, nodes, ends, first, count);
   ShadowParts parts;
@@ -225,7 +218,7 @@ float polynomial(float f[kPer], vec2 at) {
 }
 
 // Dark parts are those of beams with nothing in them: beams with gobos are left to the beam pass.
-bool may_be_smooth(BeamRow row) { return (row.flags & (kByRows ? FL_BEAM_ROWS : FL_BEAM_PLAIN)) != 0u; }
+bool may_be_smooth(BeamRow row) { return (row.flags & (kSeries ? FL_BEAM_ROWS : FL_BEAM_PLAIN)) != 0u; }
 
 // With maps: sorts the beams of the list, a thread each. Those whose dark parts may be smooth over the tile are listed
 // in list_places, in their order; returns their number. first: word of the list. All threads call it together.

@@ -89,11 +89,15 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
 
 TEST_CASE("beams with rows of shadow maps have a shader of their own in pictures with few nodes and even haze alone") {
   Needs needs = demo_needs();
-  needs.plumes = false;
-  needs.haze_field = false;
   FrameSettings settings = every_setting();
   settings.shadow_map_px = FL_MAP_ROWS;
+  REQUIRE(needs.haze_field);
+  CHECK_FALSE(has_row_beams(needs, settings));
+  needs.haze_field = false;
   CHECK(has_row_beams(needs, settings));
+  needs.plumes = true;
+  CHECK_FALSE(has_row_beams(needs, settings));
+  needs.plumes = false;
   const auto without = [&](auto change) {
     FrameSettings other = settings;
     change(other);

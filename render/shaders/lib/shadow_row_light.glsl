@@ -14,11 +14,13 @@ void series_of(BeamShape shape, Medium medium, Chord chord, vec3 ray, out Shadow
   shadow_series(shape, medium, chord, ray, many ? 6u : 4u, kExtinction, series);
 #endif
 }
-bool has_series(BeamRow row, RowLine line) {
 #ifdef FL_HAZE_FIELD
-  return false;
+const bool kSeries = false;
+#else
+const bool kSeries = kMapRows && kNodes <= uint(FL_ROW_NODES_MAX);
 #endif
-  return has_row(line) && row.squeeze == 0.0 && row.y_axis.w <= kSeriesSpread && kNodes <= uint(FL_ROW_NODES_MAX);
+bool has_series(BeamRow row, RowLine line) {
+  return kSeries && has_row(line) && row.squeeze == 0.0 && row.y_axis.w <= kSeriesSpread;
 }
 
 // The light of a chord's lit parts, or of its dark ones where those are subtracted; over J0 and sigma_s.

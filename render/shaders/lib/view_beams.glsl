@@ -14,10 +14,10 @@ bool thin_somewhere(BeamRow beam) {
 // The flags of a beam that follow from the camera beside the others that it has.
 uint view_flags(BeamRow beam) {
   uint flags = beam.flags & ~(FL_BEAM_THIN | FL_BEAM_ROWS);
+  bool plain = (flags & FL_BEAM_PLAIN) != 0u;
   if (thin_somewhere(beam)) flags |= FL_BEAM_THIN;
-  beam.flags = flags;
-  bool by_rows = (flags & FL_BEAM_PLAIN) != 0u && beam.y_axis.w <= kSeriesSpread && has_rows(beam, kRowsReadFrom);
-  return by_rows ? flags | FL_BEAM_ROWS : flags;
+  if (plain && beam.y_axis.w <= kSeriesSpread && has_rows(beam, kRowsReadFrom)) flags |= FL_BEAM_ROWS;
+  return flags;
 }
 
 // The indirect arguments of the passes that follow. live: beams.
