@@ -131,12 +131,6 @@ struct PassEntry {
 [[nodiscard]] inline std::uint32_t shadow_map_px(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shadows(needs, settings) && settings.shadow_map_px != kShadowsSuited ? settings.shadow_map_px : 0;
 }
-// Whether beams whose shadows are rows of maps have a shader of their own in the air.
-[[nodiscard]] inline bool has_row_beams(const fixtures::Needs& needs, const FrameSettings& settings) {
-  return shadow_map_px(needs, settings) == FL_MAP_ROWS && has_air(needs, settings) && !uneven_haze(needs) &&
-         settings.method == BeamMethod::kGauss && settings.nodes <= FL_ROW_NODES_MAX &&
-         settings.view == FrameView::kPicture;
-}
 // Points of a lens from which exact shadows are cast; 1 where maps stand for them.
 [[nodiscard]] inline std::uint32_t lens_points(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shadows(needs, settings) && shadow_map_px(needs, settings) == 0 ? settings.penumbra : 1;
@@ -193,6 +187,19 @@ struct PassEntry {
 [[nodiscard]] inline bool has_tile_depths(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_solids(needs, settings) && (has_tile_classes(needs, settings) || has_shadows_in_air(needs, settings) ||
                                          has_laser_strips(needs, settings));
+}
+// Whether plain beams have a shader of their own in the air: where the one for all beams is longer, by shadows or by
+// what stands in other beams. Shadows have to be rows of maps, or exact with as many nodes as agree with a polynomial.
+[[nodiscard]] inline bool has_plain_beams(const fixtures::Needs& needs, const FrameSettings& settings) {
+  if (!has_air(needs, settings) || uneven_haze(needs) || settings.method != BeamMethod::kGauss ||
+      settings.view != FrameView::kPicture) {
+    return false;
+  }
+  if (!has_shadows(needs, settings)) return needs.gobo || needs.blades || needs.rectangle || needs.measured;
+  if (shadow_map_px(needs, settings) > 0) {
+    return shadow_map_px(needs, settings) == FL_MAP_ROWS && settings.nodes <= FL_ROW_NODES_MAX;
+  }
+  return settings.penumbra == 1 && settings.nodes == FL_CUT_NODES;
 }
 // Whether solid things reflect light to others.
 [[nodiscard]] inline bool has_bounce(const fixtures::Needs& needs, const FrameSettings& settings) {

@@ -4,11 +4,12 @@
 
 #include "render/passes/compute_pass.h"
 #include "shaders/beams.comp.h"
+#include "shaders/cutbeams.comp.h"
 #include "shaders/gobobeams.comp.h"
 #include "shaders/hazebeams.comp.h"
 #include "shaders/hazegobobeams.comp.h"
 #include "shaders/hazerowgobobeams.comp.h"
-#include "shaders/rowbeams.comp.h"
+#include "shaders/plainbeams.comp.h"
 #include "shaders/rowgobobeams.comp.h"
 
 namespace footlight::render {
@@ -18,12 +19,12 @@ namespace {
 // Dispatched indirectly: a frame in which nothing is lit does no work here.
 class BeamsPass final : public Pass {
  public:
-  BeamsPass(BoundPipeline by_rows, BoundPipeline all, VkBuffer counts)
-      : by_rows_(std::move(by_rows)), all_(std::move(all)), counts_(counts) {}
+  BeamsPass(BoundPipeline plain, BoundPipeline all, VkBuffer counts)
+      : plain_(std::move(plain)), all_(std::move(all)), counts_(counts) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
-    if (by_rows_.pipeline) {
-      dispatch(commands, by_rows_);
+    if (plain_.pipeline) {
+      dispatch(commands, plain_);
       vk::full_barrier(commands);
     }
     dispatch(commands, all_);
@@ -35,8 +36,8 @@ class BeamsPass final : public Pass {
     vkCmdDispatchIndirect(commands, counts_, offsetof(CountsRow, beams_groups));
   }
 
-  BoundPipeline by_rows_;  // none where no shadows are rows of maps
-  BoundPipeline all_;      // of what that has left
+  BoundPipeline plain_;  // may be none
+  BoundPipeline all_;    // of what that has left
   VkBuffer counts_;
 };
 
@@ -67,7 +68,7 @@ const PassEntry kBeamsPass{
                                         {FL_SPEC_PENUMBRA, lens_points(needs, settings)},
                                         {FL_SPEC_HAZE, uneven_haze(needs)},
                                         {FL_SPEC_GLOSS, has_gloss(needs, settings)},
-                                        {FL_SPEC_ROW_BEAMS, has_row_beams(needs, settings)},
+                                        {FL_SPEC_PLAIN_BEAMS, has_plain_beams(needs, settings)},
                                         {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)},
                                         {FL_SPEC_GOBO_METHOD, settings.gobo_method == GoboMethod::kSuited
                                                                   ? FL_GOBO_TABLES
@@ -83,19 +84,21 @@ const PassEntry kBeamsPass{
           spirv = haze ? vk::Spirv(kHazerowgobobeamsComp) : vk::Spirv(kRowgobobeamsComp);
         }
       }
-      BoundPipeline by_rows;
-      if (has_constant(context, FL_SPEC_ROW_BEAMS)) {
-        FL_ASSIGN(by_rows, BoundPipeline::compute(context, kRowbeamsComp, context.constants));
+      BoundPipeline plain;
+      if (has_constant(context, FL_SPEC_PLAIN_BEAMS)) {
+        const bool cut = has_constant(context, FL_SPEC_SHADOWS) && !has_constant(context, FL_SPEC_MAP_PX);
+        const vk::Spirv own = cut ? vk::Spirv(kCutbeamsComp) : vk::Spirv(kPlainbeamsComp);
+        FL_ASSIGN(plain, BoundPipeline::compute(context, own, context.constants));
       }
       FL_ASSIGN(BoundPipeline all, BoundPipeline::compute(context, spirv, context.constants));
       return std::unique_ptr<Pass>(
-          new BeamsPass(std::move(by_rows), std::move(all), context.resources.rig.counts.handle));
+          new BeamsPass(std::move(plain), std::move(all), context.resources.rig.counts.handle));
     },
     [] {
       return std::vector<std::vector<vk::Spirv>>{
           {kBeamsComp},     {kGobobeamsComp},     {kRowgobobeamsComp},
           {kHazebeamsComp}, {kHazegobobeamsComp}, {kHazerowgobobeamsComp},
-          {kRowbeamsComp}};
+          {kPlainbeamsComp}, {kCutbeamsComp}};
     },
     "beams in the air"};
 

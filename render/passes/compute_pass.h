@@ -19,6 +19,11 @@ namespace footlight::render {
   return groups_of(static_cast<std::uint32_t>(size_px), FL_TILE_PX);
 }
 
+// Whether threads share what all of a subgroup read (shaders/lib/alike.glsl).
+[[nodiscard]] inline bool reads_alike(const vk::Device& device) {
+  return device.is_software() && vk::compute_subgroup_size(device.facts()) == 8;
+}
+
 // A pipeline with its descriptors. It may be bound after Pipelines::finish(), with which Frame::change() ends.
 struct BoundPipeline {
   std::shared_ptr<const vk::Pipeline> pipeline;  // null: none
@@ -32,7 +37,9 @@ struct BoundPipeline {
   }
   [[nodiscard]] static Result<BoundPipeline> compute(const PassContext& context, vk::Spirv spirv,
                                                      const std::vector<vk::SpecConstant>& constants) {
-    FL_ASSIGN(auto pipeline, context.device.pipelines().begin_compute(spirv, constants));
+    std::vector<vk::SpecConstant> all = constants;
+    all.push_back({FL_SPEC_ALIKE_READS, reads_alike(context.device)});
+    FL_ASSIGN(auto pipeline, context.device.pipelines().begin_compute(spirv, all));
     return create(context, std::move(pipeline));
   }
   void bind(VkCommandBuffer commands) const { pipeline->bind(commands, set); }

@@ -1,8 +1,7 @@
 #version 460
 // Light in the haze, pixel by pixel: adds the in-scattered light of every beam along the pixel's ray, up to the surface
 // it shows. With tile classes, of the beams that the fine pass has left. FL_GOBO_BEAMS: beams may have gobos.
-// FL_USE_HAZE: haze is not even. FL_ROW_BEAMS: rowbeams.comp, for the beams with FL_BEAM_ROWS alone, whose shadows are
-// rows of maps and whose light is that of nodes. It has no code for others, so more of its threads run at a time.
+// FL_USE_HAZE: haze is not even. Beams that plainbeams.comp has are left out.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -17,10 +16,6 @@
 #define FL_USE_FINE_MASKS
 #define FL_FINE_MASKS_ACCESS readonly
 #include "render/shaders/lib/frame.glsl"
-#ifdef FL_ROW_BEAMS
-#define FL_SERIES_TWICE
-#endif
-layout(constant_id = FL_SPEC_ROW_BEAMS) const bool kRowBeams = false;
 #include "render/shaders/lib/forms.glsl"
 #include "render/shaders/lib/view.glsl"
 #ifdef FL_GOBO_BEAMS
@@ -30,38 +25,15 @@ layout(constant_id = FL_SPEC_ROW_BEAMS) const bool kRowBeams = false;
 #endif
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#define FL_SERIES_NODES_MAX 6
 #include "render/shaders/shared/shadow.h"
-#ifdef FL_GOBO_BEAMS
-#include "render/shaders/lib/gobo_chord.glsl"
-#endif
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
 #include "render/shaders/lib/shadow.glsl"
-#include "render/shaders/lib/mirror.glsl"
-
-layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
-layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
-layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
-const bool kSolids = kBoxes || kBodies;
-#ifdef FL_ROW_BEAMS
-#define FL_DEPTHS_ACCESS
-#else
-#define FL_DEPTHS_ACCESS readonly
+#ifdef FL_GOBO_BEAMS
+#include "render/shaders/lib/gobo_chord.glsl"
 #endif
-#define FL_DEPTHS_READ
-#include "render/shaders/lib/tile_depth.glsl"
-#include "render/shaders/lib/shadow_rect.glsl"
-layout(set = 0, binding = FL_BINDING_SHADE_WORDS, std430) readonly buffer ShadeWordsBuffer {
-  ShadowWordRow shade_words[];
-};
-#define FL_PICKS_ACCESS readonly
-#define FL_PICKS_READ
-#include "render/shaders/lib/shadow_picks.glsl"
-
-uint supertile() {
-  uvec2 cell = gl_WorkGroupID.xy / uint(FL_SUPERTILE_PX / FL_TILE_PX);
-  return cell.y * params.supertiles_x + cell.x;
-}
+#include "render/shaders/lib/mirror.glsl"
 
 // FL_ONE_ROW: a thread has one pixel, where gobos have tables. On an H200 at 3840 x 2160 10,000 beams with gobos take
 // 106 ms with four, 104 with two and 98 with one (`footlight report --pictures --quick --no-judge --gobos --beams 10000
@@ -70,49 +42,36 @@ uint supertile() {
 #ifdef FL_ONE_ROW
 #define FL_ROWS 1
 #endif
-// Beams with shadows, of which the passes before have added all of their light: what is in the shadows is subtracted.
-#define FL_WALK_FINE (kTiles && counts.fine_groups[0] > 0u)
-// Whether shade.comp has run: it does for pictures alone.
-#define FL_WALK_LISTS (kShadows && FL_WALK_FINE && kView == uint(FL_VIEW_PICTURE))
-#define FL_WALK_ALSO(word) (FL_WALK_LISTS ? shade_words[walk_word(word)].beams : 0u)
-#define FL_WALK_BITS(word) (kShadows ? walk_now[word] : walk_bits[word])
-uint walk_word(uint word);
-bool tile_takes(uint beam, uint number);
-#include "render/shaders/lib/tile_walk.glsl"
+#define FL_DEPTHS_ACCESS readonly
+#include "render/shaders/lib/air_tile.glsl"
 
-#include "render/shaders/lib/shadow_walk.glsl"
+layout(constant_id = FL_SPEC_METHOD) const uint kMethod = FL_METHOD_GAUSS;
 
-#ifdef FL_ROW_BEAMS
-shared uint walk_leaves;  // the tile has other beams
+// Whether samples of the beam's gobo are taken once a chord, in a loop of their own. In haze that is not even each lit
+// part has its own densities.
+bool is_sampled(BeamRow row) {
+#if defined(FL_GOBO_BEAMS) && defined(FL_HAZE_FIELD)
+  return !kShadows && kMethod == uint(FL_METHOD_GAUSS) && has_gobo(row) && gobo_is_sampled(row);
+#elif defined(FL_GOBO_BEAMS)
+  return kLensPoints == 1u && kMethod == uint(FL_METHOD_GAUSS) && has_gobo(row) && gobo_is_sampled(row);
+#else
+  return false;
 #endif
-// The tile itself, 16 x 16 pixels.
+}
+
 bool tile_takes(uint beam, uint number) {
   BeamRow row = beams[beam];
-  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
-  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
-  bool by_rows = kRowBeams && (row.flags & FL_BEAM_ROWS) != 0u;
-#ifndef FL_ROW_BEAMS
-  if (by_rows) return false;
-#endif
-  if (!beam_touches(row, beam_bound(row, 1.0), low, high)) return false;
-#ifdef FL_ROW_BEAMS
-  if (!by_rows) {
-    atomicOr(walk_leaves, 1u);
-    return false;
-  }
-#endif
+  if (is_plain_beam(row) || !touches_tile(row)) return false;
   if (kShadows) walk_pairs[number] = picks_here(beam).count;
+  if (is_sampled(row)) atomicOr(walk_kind[number >> 5], 1u << (number & 31u));
   return true;
 }
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
-layout(constant_id = FL_SPEC_METHOD) const uint kMethod = FL_METHOD_GAUSS;
 layout(constant_id = FL_SPEC_NODES) const uint kNodes = 3;
 #include "render/shaders/lib/air_nodes.glsl"
 #include "render/shaders/lib/shadow_row_light.glsl"
-
-layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
 // The code of gobos is long: once in the shader, and not once a row. Without them a loop over rows would take rounds
 // from Mesa, which ends the loops of a thread after 65,535 of them.
@@ -174,14 +133,6 @@ vec3 parts_light(ShadowParts parts, BeamShape beam, BeamRow row, Medium medium, 
   return value;
 }
 
-#ifdef FL_ROW_BEAMS
-// That the eye is beside the beam was decided with the flag: a second test may decide otherwise by rounding.
-vec3 chord_light(uint index, uint number, uint begin, BeamShape beam, BeamRow row, Medium medium, Chord chord, vec3 ray,
-                 uint nodes, bool gobo, uint found, bool subtracts) {
-  if (found == 0u) return vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
-  return vec3(row_light(index, beam, medium, chord, ray, row_line_of(chord, ray), subtracts));
-}
-#else
 // Of a chord: the mean over the points of the lens from which shadows are cast. Where light is computed at nodes alone,
 // they only change the weights of the whole chord's nodes; else each point has its own parts.
 const uint kTurns = kLensPoints > 1u ? kLensPoints + 1u : 1u;
@@ -226,104 +177,110 @@ vec3 chord_light(uint index, uint number, uint begin, BeamShape beam, BeamRow ro
   }
   return value;
 }
-#endif
 
-// Adds the light of one beam to the thread's pixels. number: in the walk; begin: of its beams that are tested together.
-void add_beam(uint index, uint number, uint begin, Medium medium, vec3 d[FL_ROWS], float t_max_m[FL_ROWS],
-              inout vec3 total[FL_ROWS]) {
-  BeamRow row = beams[index];
-  BeamShape shape = beam_shape(row);
-  shape.profile_power = drawn_profile(shape.profile_power);
-  uint nodes = air_nodes(shape.profile_power);
-  // The light of the beam's lit parts; of a beam that was added as a whole that of its dark parts, which is subtracted.
-  uint found = kShadows ? subgroupBroadcastFirst(walk_found[number]) : 0u;
-  bool subtracts = found != 0u && !is_left(index);
-  // A rectangle's profile is the product of two.
-  if (kRectangle && row.squeeze > 0.0) nodes = min(kNodes + 5u, 8u);
-#ifdef FL_GOBO_BEAMS
-  gobo_begin(index);
-  bool gobo = has_gobo(row);
-#else
-  const bool gobo = false;
-#endif
-  bool plain = thin_is_plain(row, gobo);
-  bool thin = thin_in_haze_applies(row);
-  if (thin && plain) nodes = min(max(nodes, kNodes + 1u), 8u);  // (1 - rho^2)^3
-  FL_EACH_ROW for (int i = 0; i < FL_ROWS; ++i) {
-    vec3 eye = row.eye.xyz;
-    vec3 ray = to_light(row, d[i]);
-    BeamShape beam = shape;
-    float gain = 1.0;
-    if (thin) {
-      gain = thin_in_haze(beam, row, eye, ray, dot(d[i], params.forward.xyz), t_max_m[i], plain);
+// The chord of a pixel's ray in a beam, and the beam as it is drawn there. False: there is none.
+bool beam_at(uint index, BeamRow row, AirRay from, bool thin, bool plain, inout BeamShape beam,
+             out float gain, out vec3 ray, out Chord chord) {
+  vec3 eye = row.eye.xyz;
+  ray = to_light(row, from.d);
+  gain = 1.0;
+  if (thin) gain = thin_in_haze(beam, row, eye, ray, dot(from.d, params.forward.xyz), from.t_max_m, plain);
+  bool seen = beam_chord(beam, eye, ray, ray_begin(from.d), from.t_max_m, chord);
+  if (kRectangle && row.squeeze > 0.0 && seen) seen = chord_in_rectangle(chord);
+  if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u && seen) {
+    for (int e = 0; e < 4; ++e) {
+      seen = chord_cut(chord, blades[index].edge[e].xy, blades[index].edge[e].z) && seen;
     }
-#ifdef FL_HAZE_FIELD
-    haze_begin(vec2(tile_pixel(i)) + 0.5);
-#endif
-    Chord chord;
-    bool seen = beam_chord(beam, eye, ray, ray_begin(d[i]), t_max_m[i], chord);
-    if (kRectangle && row.squeeze > 0.0 && seen) seen = chord_in_rectangle(chord);
-    if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u && seen) {
-      for (int e = 0; e < 4; ++e) {
-        seen = chord_cut(chord, blades[index].edge[e].xy, blades[index].edge[e].z) && seen;
-      }
-      chord_close(chord);
-    }
-    if (seen) {
-      vec3 value = chord_light(index, number, begin, beam, row, medium, chord, ray, nodes, gobo, found, subtracts);
-      if (subtracts) value = -value;
-      if (!kShowsClasses) total[i] += row.j0.rgb * (gain * value);
-      else if (!subtracts) total[i] += kClassPixel;
-    }
+    chord_close(chord);
   }
+  return seen;
+}
+
+// What the pixels of a thread share of a beam.
+struct AirBeam {
+  BeamRow row;
+  BeamShape shape;
+  uint found;      // its shadows in the tile
+  bool subtracts;  // what is in them: the beam was added as a whole
+  bool thin;
+};
+AirBeam air_beam(uint index, uint number) {
+  AirBeam beam;
+  beam.row = beams[index];
+  beam.shape = beam_shape(beam.row);
+  beam.shape.profile_power = drawn_profile(beam.shape.profile_power);
+  beam.found = kShadows ? subgroupBroadcastFirst(walk_found[number]) : 0u;
+  beam.subtracts = beam.found != 0u && !is_left(index);
+  beam.thin = thin_in_haze_applies(beam.row);
+  return beam;
+}
+void add_value(AirBeam beam, vec3 value, inout vec3 total) {
+  if (!kShowsClasses) total += beam.row.j0.rgb * (beam.subtracts ? -value : value);
+  else if (!beam.subtracts) total += kClassPixel;
+}
+
+void add_beams(uint begin, AirRay rays[FL_ROWS], inout vec3 total[FL_ROWS]) {
+  Medium medium = Medium(params.anisotropy, params.position.w);
+  FL_WALK_BEGIN(number, index, (walk_lit(walk_w) | walk_cut(walk_w)) & ~walk_kind[walk_w])
+    AirBeam beam = air_beam(index, number);
+    uint nodes = air_nodes(beam.shape.profile_power);
+    // A rectangle's profile is the product of two.
+    if (kRectangle && beam.row.squeeze > 0.0) nodes = min(kNodes + 5u, 8u);
+#ifdef FL_GOBO_BEAMS
+    gobo_begin(index);
+    bool gobo = has_gobo(beam.row);
+#else
+    const bool gobo = false;
+#endif
+    bool plain = thin_is_plain(beam.row, gobo);
+    if (beam.thin && plain) nodes = min(max(nodes, kNodes + 1u), 8u);  // (1 - rho^2)^3
+    FL_EACH_ROW for (int i = 0; i < FL_ROWS; ++i) {
+      BeamShape shape = beam.shape;
+      float gain;
+      vec3 ray;
+      Chord chord;
+#ifdef FL_HAZE_FIELD
+      haze_begin(vec2(tile_pixel(i)) + 0.5);
+#endif
+      if (beam_at(index, beam.row, rays[i], beam.thin, plain, shape, gain, ray, chord)) {
+        vec3 value = chord_light(index, number, begin, shape, beam.row, medium, chord, ray, nodes, gobo, beam.found,
+                                 beam.subtracts);
+        add_value(beam, gain * value, total[i]);
+      }
+    }
+  FL_WALK_END
+#ifdef FL_GOBO_BEAMS
+  if (kGoboMethod != uint(FL_GOBO_TAPS)) return;
+  FL_WALK_BEGIN(number, index, (walk_lit(walk_w) | walk_cut(walk_w)) & walk_kind[walk_w])
+    AirBeam beam = air_beam(index, number);
+    gobo_begin(index);
+    FL_EACH_ROW for (int i = 0; i < FL_ROWS; ++i) {
+      BeamShape shape = beam.shape;
+      float gain;
+      vec3 ray;
+      Chord chord;
+#ifdef FL_HAZE_FIELD
+      haze_begin(vec2(tile_pixel(i)) + 0.5);
+#endif
+      if (beam_at(index, beam.row, rays[i], beam.thin, false, shape, gain, ray, chord)) {
+        ShadowParts parts;
+        shadow_parts_clear(parts);
+        if (beam.found != 0u) {
+          uint at = 0u;
+          uint point;
+          WalkShadows shadows_of = walk_shadows_of(number, begin);
+          parts = chord_shadows(index, shadows_of, shadow_chord(beam.row, shape, chord, ray), at, point);
+        }
+        vec3 value = gobo_sampled(shape, medium, chord, ray, kExtinction, parts, beam.subtracts);
+        add_value(beam, gain * value, total[i]);
+      }
+    }
+  FL_WALK_END
+#endif
 }
 
 void main() {
   uint tile = gl_WorkGroupID.y * tiles_across() + gl_WorkGroupID.x;
-#ifdef FL_ROW_BEAMS
-  if (gl_LocalInvocationIndex == 0u) walk_leaves = 0u;
-  barrier();
-#else
-  if (kRowBeams && tile_depths[tile].beams_left == 0u) return;
-#endif
-  Medium medium = Medium(params.anisotropy, params.position.w);
-  vec3 d[FL_ROWS];
-  float t_max_m[FL_ROWS];
-  vec3 total[FL_ROWS];
-  [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
-    ivec2 pixel = tile_pixel(i);
-    bool inside = in_picture(pixel);
-    d[i] = normalize(ray_through(vec2(pixel) + 0.5));
-    t_max_m[i] = inside ? FL_FAR_M : 0.0;
-    if ((kBoxes || kBodies) && inside) t_max_m[i] = imageLoad(radiance, pixel).a;  // the surface pass left it there
-    if (kGloss && ray_begin(d[i]) >= FL_FAR_M) t_max_m[i] = 0.0;
-    total[i] = vec3(0.0);
-  }
-  RectDepth depth;
-  if (kShadows) depth = rect_depth(gl_WorkGroupID.xy, 1u);
-  for (uint word = 0u; word < walk_words();) {
-    word = tile_walk(word);
-    if (walk_count == 0u) continue;
-    if (kShadows) walk_number_pairs();
-    for (uint begin = 0u; begin < FL_WALK_BEAMS;) {
-      uint end = kShadows ? walk_test_shadows(begin, depth) : FL_WALK_BEAMS;
-      FL_WALK_BEGIN(number, index)
-        add_beam(index, number, begin, medium, d, t_max_m, total);
-      FL_WALK_END
-      begin = end;
-    }
-  }
-#ifdef FL_ROW_BEAMS
-  barrier();
-  if (gl_LocalInvocationIndex == 0u) tile_depths[tile].beams_left = walk_leaves;
-#endif
-  [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
-    ivec2 pixel = tile_pixel(i);
-    if (!in_picture(pixel)) continue;
-    vec4 behind = kBoxes || kBodies || kTiles ? imageLoad(radiance, pixel) : vec4(0.0, 0.0, 0.0, 1.0);
-    vec3 light = behind.rgb + light_scale() * total[i];
-    // What is subtracted may be more than what was added, by their errors.
-    if (kShadows && kTiles) light = max(light, vec3(0.0));
-    imageStore(radiance, pixel, vec4(light, behind.a));  // the distance stays for depth of field
-  }
+  if (kPlainBeams && marks_tiles() && tile_depths[tile].beams_left == 0u) return;
+  FL_AIR_WALK
 }

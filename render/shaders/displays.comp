@@ -162,7 +162,7 @@ void main() {
     if (surface.kind != kNothing) sum += albedo_of(surface) / kPi * light.lx * exp(-extinction() * surface.t_m);
     PixelRay of_pixel = pixel_ray(pixel);
     float begin_m = kGloss ? ray_begin(ray) : 0.0;
-    for (uint word = 0u; word < kShownWords; ++word) {
+    for (uint word = 0u; 32u * word < uint(displays.length()); ++word) {
       for (uint bits = shown[word]; bits != 0u; bits &= bits - 1u) {
         sum += pixels_of(displays[32u * word + uint(findLSB(bits))], of_pixel, begin_m, surface.t_m);
       }

@@ -110,7 +110,7 @@ Rect group_rect() {
   return Rect(vec2(gl_WorkGroupID.xy * uint(FL_FINE_PX)) + kHalf, FL_HULL * kHalf, group_depth);
 }
 
-void add_records() {
+void add_records(uint count) {
   const float half_px = FL_HULL * 0.5 * float(FL_FINE_PX);
   uint block = thread_number() / uint(FL_GROUP_TILE / 8);
   vec2 first_px = first_place();
@@ -128,7 +128,7 @@ void add_records() {
   }
   const uint kWords = uint(FL_RECORDS / 32);
   bool any = false;
-  for (uint w = 0u; w < kWords; ++w) {
+  for (uint w = 0u; 32u * w < count; ++w) {
     // The union over the subgroup, which may hold several blocks: a record is right in all of them.
     uint bits = subgroupOr(rim_bits[block * kWords + w]);
     any = any || bits != 0u;
@@ -302,7 +302,7 @@ void main() {
           }
         }
         barrier();
-        add_records();
+        add_records(count);
         barrier();
       }
       barrier();

@@ -22,6 +22,7 @@
 #include "render/shaders/lib/view.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#define FL_SERIES_NODES_MAX 6
 #include "render/shaders/shared/shadow.h"
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/shadow.glsl"
@@ -180,9 +181,8 @@ float dark_light(uint id, BeamRow row, BeamShape beam, uint first, uint count, R
   Chord chord;
   if (!beam_chord(beam, row.eye.xyz, ray, 0.0, end_m, chord)) return 0.0;
   known = known && (!kSolids || depth.is_plane || chord.t_base_m + chord.t_to_m <= depth.near_m);
-  // May be smooth: then it has rows, and there is no code for others.
-  if (kSeries) return count > 0u ? row_light(id, beam, medium, chord, ray, row_line_of(chord, ray), true) : 0.0;
   ShadowChord ends = shadow_chord(row, beam, chord, ray);
+  if (count > 0u && has_series(row, ends.line)) return row_light(id, beam, medium, chord, ray, ends.line, true);
   if (kLensPoints > 1u) return soft_dark_light(beam, medium, chord, ray, nodes, ends, first, count);
   ShadowParts parts;
   shadow_parts_clear(parts);
@@ -218,7 +218,7 @@ float polynomial(float f[kPer], vec2 at) {
 }
 
 // Dark parts are those of beams with nothing in them: beams with gobos are left to the beam pass.
-bool may_be_smooth(BeamRow row) { return (row.flags & (kSeries ? FL_BEAM_ROWS : FL_BEAM_PLAIN)) != 0u; }
+bool may_be_smooth(BeamRow row) { return (row.flags & FL_BEAM_PLAIN) != 0u; }
 
 // With maps: sorts the beams of the list, a thread each. Those whose dark parts may be smooth over the tile are listed
 // in list_places, in their order; returns their number. first: word of the list. All threads call it together.

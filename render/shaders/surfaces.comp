@@ -8,6 +8,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS readonly
 #define FL_USE_COUNTS
@@ -27,6 +28,7 @@
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
 #include "render/shaders/lib/shadow.glsl"
+#include "render/shaders/lib/alike.glsl"
 
 #include "render/shaders/lib/tile_list.glsl"
 #include "render/shaders/lib/surface_tile.glsl"
@@ -34,7 +36,7 @@ layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
 #include "render/shaders/lib/surface_class.glsl"
 #define FL_LIT_SHARE(beam, index, p, aside, fixture, lens_m) \
-  shaded_share(index, (beam).number, p, aside, fixture, lens_m)
+  ((beam).lit >= 0.0 ? (beam).lit : shaded_share(index, (beam).number, p, aside, fixture, lens_m))
 float shaded_share(uint index, uint number, vec3 p, vec3 aside, uint fixture, float lens_radius_m);
 #define FL_MAP_LIT(beam, index, row, p) lit_share(index, (beam).number, row, p)
 float lit_share(uint index, uint number, BeamRow row, vec3 p);
@@ -135,6 +137,38 @@ float shaded_share(uint index, uint number, vec3 p, vec3 aside, uint fixture, fl
   return dark ? 0.0 : 1.0;
 }
 
+// The same for all pixels of the thread, with one point of the lens, of a beam that is not drawn wider.
+void shaded_shares_alike(BeamRow row, uint number, out float lit[kRows]) {
+  vec3 p[kRows];
+  float rounding_m[kRows];
+  uint fixture[kRows];
+  [[unroll]] for (int i = 0; i < int(kRows); ++i) {
+    p[i] = row.eye.xyz + to_light(row, offset_m[i]);
+    rounding_m[i] = shadow_rounding(p[i]);
+    fixture[i] = fixture_of(surface[i]);
+    lit[i] = 1.0;
+  }
+  for (uint k = 0u; k < shaded_count[number]; ++k) {
+    uint shadow = shaded[shaded_first[number] + k];
+    uint rounds = shadow_rounds(shadow);
+    uint outline = shadow_outline(shadow);
+    float slack_m = max(shadows[shadow].slack_m, kShadowSlackM);
+    bool dark[kRows];
+    [[unroll]] for (int i = 0; i < int(kRows); ++i) dark[i] = shadows[shadow].fixture != fixture[i];
+    for (uint round_of = 0u; round_of < rounds; ++round_of) {
+      uint first = kShadowRound * round_of;
+      FourPlanes four = planes_alike(shadow, uint[4](first, first + 1u, first + 2u, first + 3u));
+      [[unroll]] for (uint j = 0u; j < 4u; ++j) {
+        [[unroll]] for (int i = 0; i < int(kRows); ++i) {
+          float within_m = first + j < outline ? 0.0 : slack_m + rounding_m[i];
+          dark[i] = dark[i] && dot(four.of[j].xyz, p[i]) <= four.of[j].w - within_m;
+        }
+      }
+    }
+    [[unroll]] for (int i = 0; i < int(kRows); ++i) lit[i] = dark[i] ? 0.0 : lit[i];
+  }
+}
+
 // Share of a beam's light that its shadow map lets through.
 float lit_share(uint index, uint number, BeamRow row, vec3 p) {
   return shaded_count[number] > 0u ? map_lit(index, row, p) : 1.0;
@@ -146,7 +180,11 @@ void add_shaped_beam(uint index, uint number, Medium medium, bool off_plane, boo
   gobo_begin(index);
   SurfaceBeam beam = surface_beam(row);
   beam.number = number;
+  float lit[kRows];
+  bool alike = kAlikeReads && kShadows && !kMaps && kLensPoints == 1u && !beam.thin && shaded_first[number] != FL_NONE;
+  if (alike) shaded_shares_alike(row, number, lit);
   for (int i = 0; i < int(kRows); ++i) {
+    if (alike) beam.lit = lit[i];
     bool is_added = off_plane && on_plane[i];  // by the polynomial
     bool reflects = kSheen && surface[i].sheen != 0u && !(off_tile && in_tile_sheen[i]);
     if (surface[i].kind == kNothing || (is_added && !reflects)) continue;
@@ -405,8 +443,10 @@ void main() {
     from = list_fill(supertile, from);
     uint touching = keep_touching();
     for (uint at = 0u; at < touching; at += FL_BATCH) {
-      classify(at, min(touching - at, FL_BATCH), medium, plane, smooth_sum);
-      for (uint w = 0u; w < kBatchWords; ++w) {
+      uint here = min(touching - at, FL_BATCH);
+      classify(at, here, medium, plane, smooth_sum);
+      // Words without beams take time on lavapipe: it runs the body of a loop once if the loop has no round.
+      for (uint w = 0u; 32u * w < here; ++w) {
         uint rest = block_bits[block][w];
         // Compilers then keep the threads of a subgroup together through the loop.
         if (gl_SubgroupSize <= kBlockThreads) rest = subgroupBroadcastFirst(rest);

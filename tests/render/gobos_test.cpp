@@ -113,6 +113,23 @@ TEST_CASE("tables of gobos are nearer to the judge than 64 samples and within 2e
   }
 }
 
+TEST_CASE("a march takes its steps through gobos whose light is sampled otherwise") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = in_the_air(demo_scene(12, true));
+  FrameSettings settings = with_method(GoboMethod::kTaps, 256, 48, 27);
+  const RadianceImage samples = draw_new(vulkan.device(), scene, settings);
+  const std::vector<double> sampled(samples.rgb.begin(), samples.rgb.end());
+  settings.method = BeamMethod::kMarch;
+  settings.nodes = 8;
+  const double few = rel_l2(draw_new(vulkan.device(), scene, settings), sampled);
+  settings.nodes = 256;
+  const double many = rel_l2(draw_new(vulkan.device(), scene, settings), sampled);
+  std::fprintf(stderr, "march of 8 steps %.3g, of 256 %.3g\n", few, many);
+  CHECK(many < 2e-2);
+  CHECK(few > 5 * many);
+}
+
 TEST_CASE("a gobo whose chords are cut is drawn from its tables as the judge computes it") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

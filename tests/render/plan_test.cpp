@@ -87,28 +87,37 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
   CHECK(planned.size() + left_out.size() == kAll.size());
 }
 
-TEST_CASE("beams with rows of shadow maps have a shader of their own in pictures with few nodes and even haze alone") {
+TEST_CASE("plain beams have a shader of their own where shadows or other beams need code that they do not") {
   Needs needs = demo_needs();
   FrameSettings settings = every_setting();
-  settings.shadow_map_px = FL_MAP_ROWS;
+  settings.nodes = FL_CUT_NODES;
+  settings.shadow_map_px = 0;
+  REQUIRE(settings.penumbra == 1);
   REQUIRE(needs.haze_field);
-  CHECK_FALSE(has_row_beams(needs, settings));
+  CHECK_FALSE(has_plain_beams(needs, settings));
   needs.haze_field = false;
-  CHECK(has_row_beams(needs, settings));
+  CHECK(has_plain_beams(needs, settings));
   needs.plumes = true;
-  CHECK_FALSE(has_row_beams(needs, settings));
+  CHECK_FALSE(has_plain_beams(needs, settings));
   needs.plumes = false;
-  const auto without = [&](auto change) {
+  const auto with = [&](auto change) {
     FrameSettings other = settings;
     change(other);
-    return !has_row_beams(needs, other);
+    return has_plain_beams(needs, other);
   };
-  CHECK(without([](FrameSettings& other) { other.shadow_map_px = 0; }));
-  CHECK(without([](FrameSettings& other) { other.shadow_map_px = FL_MAP_ROWS / 2; }));
-  CHECK(without([](FrameSettings& other) { other.shadows = false; }));
-  CHECK(without([](FrameSettings& other) { other.nodes = FL_ROW_NODES_MAX + 1; }));
-  CHECK(without([](FrameSettings& other) { other.method = BeamMethod::kMarch; }));
-  CHECK(without([](FrameSettings& other) { other.view = FrameView::kClasses; }));
+  CHECK_FALSE(with([](FrameSettings& other) { other.nodes = FL_CUT_NODES + 1; }));
+  CHECK_FALSE(with([](FrameSettings& other) { other.nodes = FL_CUT_NODES - 1; }));
+  CHECK_FALSE(with([](FrameSettings& other) { other.penumbra = 4; }));
+  CHECK_FALSE(with([](FrameSettings& other) { other.method = BeamMethod::kMarch; }));
+  CHECK_FALSE(with([](FrameSettings& other) { other.view = FrameView::kClasses; }));
+  CHECK_FALSE(with([](FrameSettings& other) { other.shadow_map_px = FL_MAP_ROWS / 2; }));
+  settings.shadow_map_px = FL_MAP_ROWS;
+  CHECK(with([](FrameSettings& other) { other.nodes = FL_ROW_NODES_MAX; }));
+  CHECK_FALSE(with([](FrameSettings& other) { other.nodes = FL_ROW_NODES_MAX + 1; }));
+  settings.shadows = false;
+  CHECK(with([](FrameSettings& other) { other.nodes = FL_ROW_NODES_MAX + 1; }));
+  needs.gobo = needs.blades = needs.rectangle = needs.measured = false;
+  CHECK_FALSE(has_plain_beams(needs, settings));
 }
 
 TEST_CASE("the demo rig with all missing needs added has every pass, with every branch") {
@@ -258,7 +267,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_PENUMBRA, 1},
                                 {FL_SPEC_HAZE, 1},
                                 {FL_SPEC_GLOSS, 1},
-                                {FL_SPEC_ROW_BEAMS, 0},
+                                {FL_SPEC_PLAIN_BEAMS, 0},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE},
                                 {FL_SPEC_GOBO_METHOD, FL_GOBO_TABLES}}},
                               {"lasers",
@@ -327,7 +336,8 @@ TEST_CASE("method, nodes and gobo taps change only the passes of beams in haze")
 }
 
 TEST_CASE("without a need its branches or its passes are left out") {
-  const FrameSettings settings = every_setting();
+  FrameSettings settings = every_setting();
+  settings.nodes = FL_CUT_NODES + 1;  // else even haze would add the shader of plain beams
   struct Case {
     const char* what;
     bool Needs::*need;

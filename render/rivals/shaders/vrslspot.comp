@@ -62,7 +62,7 @@ void main() {
   }
   for (uint word = 0u; word < walk_words();) {
     word = tile_walk(word);
-    FL_WALK_BEGIN(number, index)
+    FL_WALK_BEGIN(number, index, walk_bits[walk_w])
       BeamRow row = beams[index];
       BeamShape shape = begin_beam(row, index);
       for (int i = 0; i < FL_ROWS; ++i) {

@@ -42,7 +42,7 @@ struct GoboTables {
 };
 vec3 gobo_through(GoboTables tables, vec2 p) {
   p = 0.5 * p + 0.5;
-  if (tables.gate != 0u) return gate_image(tables.gate - 1u, tables.planes, p);
+  if (kGoboMethod == uint(FL_GOBO_TABLES) && tables.gate != 0u) return gate_image(tables.gate - 1u, tables.planes, p);
   return textureLod(gobo_images, vec3(p, float(tables.image - 1u)), 0.0).rgb;
 }
 
@@ -235,6 +235,42 @@ vec3 gobo_blurred_chord(GoboTables tables, BeamShape beam, Chord chord, ChordWei
 vec3 gobo_short_chord(GoboTables tables, BeamShape beam, Chord chord, ChordWeight weight, vec2 from, vec2 to) {
   uint fours = uint(clamp(distance(from, to) / (4.0 * kTapStep) + 1.0, 1.0, float(kShortTaps / 4u)));
   return gobo_stretch(tables, beam, chord, weight, from, to, 0.0, 1.0, fours) * chord_measure(chord);
+}
+
+// Whether a beam with a gobo has samples of one sharp image.
+bool gobo_is_sampled(BeamRow row) {
+  return kGoboMethod == uint(FL_GOBO_TAPS) && !(kWide && row.y_axis.w > kWideSpread) && gobo_is_sharp(row) &&
+         gobo_only_image(row).image != 0u;
+}
+// Light along a chord of such a beam: of its lit parts, or of its dark ones where `subtracts`. What stands for a sample
+// counts by its share of them.
+vec3 gobo_sampled(BeamShape beam, Medium medium, Chord chord, vec3 d, bool with_extinction, ShadowParts parts,
+                  bool subtracts) {
+  BeamRow row = gobo_row;
+  ChordWeight weight = chord_weight(beam, medium, chord, d, with_extinction);
+  GoboImage only = gobo_only_image(row);
+  vec2 turn = only.turn;
+  vec2 across = chord.offset * vec2(chord.along.y, -chord.along.x);
+  vec2 from = gobo_place(chord.s_from * chord.along + across);
+  vec2 to = gobo_place(chord.s_to * chord.along + across);
+  from = vec2(turn.x * from.x + turn.y * from.y, turn.x * from.y - turn.y * from.x);
+  to = vec2(turn.x * to.x + turn.y * to.y, turn.x * to.y - turn.y * to.x);
+  const float kPart = 1.0 / float(kGoboTaps);
+  vec3 total = vec3(0.0);
+  for (uint tap = 0u; tap < kGoboTaps; ++tap) {
+    float begin = float(tap) * kPart;
+    float at = begin + 0.5 * kPart;
+    float share = 1.0;
+    if (kShadows) {
+      float dark = 0.0;
+      [[unroll]] for (int j = 0; j < FL_SHADOW_PARTS; ++j) {
+        dark += max(min(begin + kPart, parts.to[j]) - max(begin, parts.from[j]), 0.0);
+      }
+      share = subtracts ? dark / kPart : 1.0 - dark / kPart;
+    }
+    total += gobo_image(only.image, mix(from, to, at), 0.0) * (share * gobo_light_at(beam, chord, weight, at));
+  }
+  return max(total, vec3(0.0)) * (kPart * chord_measure(chord));
 }
 
 // The light along a chord of the beam that gobo_begin() was called with, over sigma_s J0. d: the ray in light space.

@@ -8,6 +8,7 @@
 const uint kUntested = FL_NONE;
 // Beams that were tested together, without those that the pass need not compute.
 shared uint walk_now[FL_WALK_BEAMS / 32u];
+shared uint walk_shaded[FL_WALK_BEAMS / 32u];  // of those that have shadows in the tile
 shared uint walk_pairs[kShadows ? FL_WALK_BEAMS + 1u : 1u];  // of each beam its number of pairs; then the first of them
 shared uint walk_found[kShadows ? FL_WALK_BEAMS : 1u];       // shadows of the beam that reach the tile
 shared uint walk_entries[kShadows ? FL_WALK_PAIRS : 1u];     // those of a beam begin where its pairs do
@@ -82,6 +83,7 @@ void walk_store(uint number, uint found, bool dark) {
   walk_found[number] = found;
   bool computes = is_left(walk_ids[number]) ? !dark : found > 0u;
   if (computes) atomicOr(walk_now[number >> 5], 1u << (number & 31u));
+  if (computes && found > 0u) atomicOr(walk_shaded[number >> 5], 1u << (number & 31u));
 }
 
 uint walk_test_pair(uint beam, uint k, RectDepth depth) {
@@ -129,7 +131,7 @@ uint walk_test_shadows(uint begin, RectDepth depth) {
   end = max(end, begin + 1u);
   uint pairs = walk_pairs[end] - first_pair;
   barrier();  // what is filled here has been read
-  if (lane < FL_WALK_BEAMS / 32u) walk_now[lane] = 0u;
+  if (lane < FL_WALK_BEAMS / 32u) walk_now[lane] = walk_shaded[lane] = 0u;
   barrier();
   if (pairs > FL_WALK_PAIRS) {
     walk_test_many(begin, lane, depth);

@@ -50,6 +50,7 @@ struct SurfaceBeam {
   bool plain;  // thin.glsl
   bool thin;
   uint number;  // for FL_LIT_SHARE
+  float lit;    // share of the lens that lights the place, where it is known; else below 0
 };
 // lit_share_of() a place: an including pass may know which shadows reach what it shows.
 #ifndef FL_LIT_SHARE
@@ -64,7 +65,12 @@ SurfaceBeam surface_beam(BeamRow row) {
   beam.plain = thin_is_plain(row, beam.gobo);
   beam.thin = beam_thin(row) > 0.0;
   beam.number = 0u;
+  beam.lit = -1.0;
   return beam;
+}
+// What stands for the body of this fixture does not hide it.
+uint fixture_of(Surface surface) {
+  return surface.kind == kBody ? heads[surface.which >> 3].fixture : kNoFixture;
 }
 // Illuminance of a surface by the beam that gobo_begin() was called with. offset_m: of the place from the camera. rho:
 // where the place is in the beam; r_m: how far from the lens.
@@ -75,7 +81,7 @@ vec3 light_and_place(SurfaceBeam beam, BeamRow row, uint index, Medium medium, S
                           : beam_illuminance(beam.shape, p, rho, r_m);
   if (!(share > 0.0)) return vec3(0.0);
   if (kShadows) {
-    uint fixture = surface.kind == kBody ? heads[surface.which >> 3].fixture : kNoFixture;
+    uint fixture = fixture_of(surface);
     vec3 aside = beam.thin ? vec3(rho * (beam.shape.lens_radius_m + beam.shape.spread * p.z), p.z) : p;
     if (kMaps) {
       share *= FL_MAP_LIT(beam, index, row, aside);

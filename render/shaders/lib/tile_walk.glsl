@@ -2,14 +2,16 @@
 //
 //   for (uint word = 0u; word < walk_words();) {
 //     word = tile_walk(word);
-//     FL_WALK_BEGIN(number, index) ... beams[index] ... FL_WALK_END
+//     FL_WALK_BEGIN(number, index, walk_bits[walk_w]) ... beams[index] ... FL_WALK_END
 //   }
 //
 // tile_walk() lists up to FL_WALK_BEAMS beams of the masks from a word on, and puts them to the test of the including
 // pass, bool tile_takes(uint beam, uint number), shared out among the threads; `number` is the beam's place in the
 // list. It returns the word after those that it has listed. FL_WALK_ALSO(word): a word of bits of further beams.
-// FL_WALK_BITS(word): a word of bits of places that FL_WALK_BEGIN takes. All threads of the group must call it
-// together; it returns the same for all.
+// All threads of the group must call it together; it returns the same for all. FL_WALK_BEGIN takes the places of which
+// its last argument has bits: words for walk_w from 0 on. Beams of different kinds have loops of their own, and words
+// behind the list are not looked at: Mesa's lavapipe runs both sides of a branch, and the body of a loop that has no
+// round once.
 //
 // A thread has FL_ROWS pixels, one below the other, so that a beam's row is read once for all of them: on an H200
 // 10,000 beams at 3840 x 2160 take 45 ms with one pixel a thread, 41 ms with four (3 nodes). The including pass
@@ -19,6 +21,7 @@
 #endif
 #define FL_WALK_BEAMS 256u
 shared uint walk_bits[8];
+shared uint walk_kind[8];  // what tile_takes() has set
 shared uint walk_ids[FL_WALK_BEAMS];
 shared uint walk_count;
 shared uint walk_next;
@@ -41,9 +44,6 @@ uint walk_mask(uint word) { return masks[word]; }
 #endif
 #ifndef FL_WALK_ALSO
 #define FL_WALK_ALSO(word) 0u
-#endif
-#ifndef FL_WALK_BITS
-#define FL_WALK_BITS(word) walk_bits[word]
 #endif
 
 // The number of that word, of beams word * 32 and the following.
@@ -79,7 +79,7 @@ void walk_list_few() {
   uint words = walk_words();
   uint first = walk_word(0u);
   barrier();  // the list before this one has been read by all
-  if (lane < 8u) walk_bits[lane] = 0u;
+  if (lane < 8u) walk_bits[lane] = walk_kind[lane] = 0u;
   uint all = 0u;
   [[dont_unroll]] for (uint word = 0u; word < words; ++word) {
     uint bits = walk_listed(first, word);
@@ -111,7 +111,7 @@ void walk_list(uint from) {
     walk_count = 0u;
     walk_next = from;
   }
-  if (lane < 8u) walk_bits[lane] = 0u;
+  if (lane < 8u) walk_bits[lane] = walk_kind[lane] = 0u;
   uint all;
   uint slot = walk_before(own, all);
   uint next = from;
@@ -143,11 +143,11 @@ uint tile_walk(uint from) {
 }
 
 // The word is made uniform over the subgroup: compilers then keep its threads together through the loop.
-#define FL_WALK_BEGIN(number, index)                               \
-  for (uint walk_w = 0u; walk_w < 8u; ++walk_w) {                  \
-    uint walk_rest = subgroupBroadcastFirst(FL_WALK_BITS(walk_w)); \
-    while (walk_rest != 0u) {                                      \
-      uint number = walk_w * 32u + uint(findLSB(walk_rest));       \
-      uint index = subgroupBroadcastFirst(walk_ids[number]);       \
+#define FL_WALK_BEGIN(number, index, bits)                          \
+  for (uint walk_w = 0u; 32u * walk_w < walk_count; ++walk_w) {     \
+    uint walk_rest = subgroupBroadcastFirst(bits);                  \
+    while (walk_rest != 0u) {                                       \
+      uint number = walk_w * 32u + uint(findLSB(walk_rest));        \
+      uint index = subgroupBroadcastFirst(walk_ids[number]);        \
       walk_rest &= walk_rest - 1u;
 #define FL_WALK_END }}

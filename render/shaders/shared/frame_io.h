@@ -231,8 +231,9 @@
 #define FL_SPEC_PLUMES (52 + FL_LAMP_COUNT)  // machines have plumes: selects another shader
 #define FL_SPEC_PROBES (53 + FL_LAMP_COUNT)  // probes show what surfaces with sheen mirror
 #define FL_SPEC_JOINED (54 + FL_LAMP_COUNT)  // a pixel's depth and key are one word of 64 bits
-#define FL_SPEC_ROW_BEAMS (55 + FL_LAMP_COUNT)  // beams with FL_BEAM_ROWS have a shader of their own
-#define FL_SPEC_COUNT (56 + FL_LAMP_COUNT)
+#define FL_SPEC_PLAIN_BEAMS (55 + FL_LAMP_COUNT)  // plain beams have a shader of their own in the air
+#define FL_SPEC_ALIKE_READS (56 + FL_LAMP_COUNT)  // how a device reads (lib/alike.glsl): of all compute passes
+#define FL_SPEC_COUNT (57 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -648,7 +649,7 @@ struct TileDepthRow {
   float near_m;  // along the ray; FL_FAR_M where nothing is
   float far_m;
   uint is_plane;  // one plane, or nothing
-  uint beams_left;  // 1: rowbeams.comp has left beams of the tile to the beam pass
+  uint beams_left;  // 1: plainbeams.comp has left beams of the tile to the beam pass
   vec4 plane;  // x: 1 / depth at the tile's middle, 1/m; y, z: its change a pixel to the right and down
 };
 

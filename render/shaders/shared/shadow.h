@@ -231,15 +231,13 @@ FL_FN bool shadow_prism_from(Vec3 point, FL_IN(ShadowSolid) solid, FL_OUT(Shadow
   return true;
 }
 
-// Cuts the part x0..x1 of a chord to what is inside a plane; from, to: h over w at the chord's ends. False: nothing.
+// Cuts the part x0..x1 of a chord to what is inside a plane; from, to: h over w at the chord's ends. False: nothing is
+// left, and x0 and x1 mean nothing.
 FL_FN bool shadow_cut(Real from, Real to, FL_INOUT(Real) x0, FL_INOUT(Real) x1) {
-  if (from > Real(0)) {
-    if (!(to <= Real(0))) return false;
-    x0 = max(x0, from / (from - to));
-  } else if (to > Real(0)) {
-    x1 = min(x1, from / (from - to));
-  }
-  return x1 > x0;
+  Real at = from / (from - to);
+  x0 = from > Real(0) ? max(x0, at) : x0;
+  x1 = !(from > Real(0)) && to > Real(0) ? min(x1, at) : x1;
+  return (!(from > Real(0)) || to <= Real(0)) && x1 > x0;
 }
 
 // The same for an outline whose edge is a ramp, half_from and half_to wide at the chord's ends: hard is cut where the
@@ -383,7 +381,13 @@ FL_FN Real chord_inscatter_shaded(BeamShape beam, Medium medium, Chord chord, Ve
 
 // The light of a chord up to a share x of its measure, as a polynomial in u = 2 x - 1: what Gauss nodes of the whole
 // chord interpolate, in even haze. Each further part of a chord then costs a polynomial, and no light is computed anew.
-#define FL_SERIES_NODES_MAX 6
+// FL_SERIES_NODES_MAX: of the including file, 6 or 8. FL_UNROLL: what tells its compiler to write a loop out.
+#ifndef FL_UNROLL
+#define FL_UNROLL
+#endif
+#ifndef FL_SERIES_NODES_MAX
+#define FL_SERIES_NODES_MAX 8
+#endif
 struct ShadowSeries {
   Real powers[FL_SERIES_NODES_MAX + 1];  // of u
   Real whole;                            // up to x = 1
@@ -394,7 +398,7 @@ FL_FN void shadow_series(BeamShape beam, Medium medium, Chord chord, Vec3 d, uin
   Real mean[FL_SERIES_NODES_MAX + 2];  // of the light times P_k
   for (int k = 0; k < FL_SERIES_NODES_MAX + 2; ++k) mean[k] = Real(0);
   Real measure = chord_measure(chord);
-  for (uint i = uint(0); i < n; ++i) {
+  FL_UNROLL for (uint i = uint(0); i < n; ++i) {
     Real s;
     Real t_m;
     Real x = kGaussNode[gauss_index(n, i)];
@@ -424,6 +428,17 @@ FL_FN void shadow_series(BeamShape beam, Medium medium, Chord chord, Vec3 d, uin
   series.powers[4] = Real(4.375) * v[4] - Real(19.6875) * v[6];
   series.powers[5] = Real(7.875) * v[5];
   series.powers[6] = Real(14.4375) * v[6];
+#if FL_SERIES_NODES_MAX > 6
+  series.powers[0] += Real(0.2734375) * v[8];
+  series.powers[1] -= Real(2.1875) * v[7];
+  series.powers[2] -= Real(9.84375) * v[8];
+  series.powers[3] += Real(19.6875) * v[7];
+  series.powers[4] += Real(54.140625) * v[8];
+  series.powers[5] -= Real(43.3125) * v[7];
+  series.powers[6] -= Real(93.84375) * v[8];
+  series.powers[7] = Real(26.8125) * v[7];
+  series.powers[8] = Real(50.2734375) * v[8];
+#endif
 }
 FL_FN Real shadow_series_until(FL_IN(ShadowSeries) series, Real x) {
   Real u = Real(2) * x - Real(1);

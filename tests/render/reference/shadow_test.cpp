@@ -440,6 +440,21 @@ TEST_CASE("the polynomial of a chord's light gives that of its parts, nearer wit
   CHECK(four < 3e-3);
   CHECK(six < 0.1 * four);
   CHECK(six_float < six + 1e-5);
+  // Profiles of a higher degree, with as many nodes as exact shadows have for them (plainbeams.comp).
+  for (const double power : {4.0, 3.0, 1.0 / 3, 0.25}) {
+    CAPTURE(power);
+    const auto shaped = [power](const auto& light_of) {
+      return [power, &light_of](cases::BeamRay ray, auto... rest) {
+        ray.profile_power = static_cast<float>(power);
+        return light_of(ray, rest...);
+      };
+    };
+    const double eight = series_error(8, shaped(in_double), shaped(light));
+    const double eight_float = series_error(8, shaped(in_float), shaped(light));
+    std::fprintf(stderr, "profile of m = %.3g: 8 nodes %.3g, in float %.3g\n", power, eight, eight_float);
+    CHECK(eight < 3e-3);
+    CHECK(eight_float < eight + 1e-5);
+  }
 }
 
 // Light of a beam along a ray through the shadows of a body, seen from so many points of the lens.
