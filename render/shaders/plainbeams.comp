@@ -98,10 +98,11 @@ AirChord air_chord(PlainBeam beam, AirRay ray) {
   return at;
 }
 
-// Light of a chord that exact shadows cut: of its lit parts, or of its dark ones where those are subtracted. They do
-// not touch each other, so they need no order. Called by all threads of a subgroup.
-// Six nodes are exact for profiles of a degree up to 5 in s. A number that is known here makes shorter code.
+// Nodes of the polynomial of a chord that exact shadows cut. Six are exact for profiles of a degree up to 5 in s. A
+// number that is known here makes shorter code.
 const uint kCutNodes = kProfile ? 8u : 6u;
+// Light of such a chord: of its lit parts, or of its dark ones where those are subtracted. They do not touch each
+// other, so they need no order. Called by all threads of a subgroup.
 float cut_light(AirChord at, ShadowParts parts, Medium medium, bool subtracts) {
   ShadowSeries series;
   shadow_series(at.shape, medium, at.chord, at.ray, kCutNodes, kExtinction, series);
@@ -166,7 +167,7 @@ vec3 light_of(uint index, PlainBeam beam, bool lit, WalkShadows shadows_of, AirR
 }
 // The same for all pixels of the thread, of a beam that exact shadows cut.
 void add_cut_alike(PlainBeam beam, WalkShadows shadows_of, AirRay rays[FL_ROWS], bool subtracts,
-                      inout vec3 total[FL_ROWS]) {
+                   inout vec3 total[FL_ROWS]) {
   AirChord at[FL_ROWS];
   ShadowChord ends[FL_ROWS];
   ShadowParts parts[FL_ROWS];
