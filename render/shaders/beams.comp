@@ -50,10 +50,13 @@ layout(constant_id = FL_SPEC_METHOD) const uint kMethod = FL_METHOD_GAUSS;
 // Whether samples of the beam's gobo are taken once a chord, in a loop of their own. In haze that is not even each lit
 // part has its own densities.
 bool is_sampled(BeamRow row) {
-#if defined(FL_GOBO_BEAMS) && defined(FL_HAZE_FIELD)
-  return !kShadows && kMethod == uint(FL_METHOD_GAUSS) && has_gobo(row) && gobo_is_sampled(row);
-#elif defined(FL_GOBO_BEAMS)
-  return kLensPoints == 1u && kMethod == uint(FL_METHOD_GAUSS) && has_gobo(row) && gobo_is_sampled(row);
+#ifdef FL_HAZE_FIELD
+  const bool once = !kShadows;
+#else
+  const bool once = kLensPoints == 1u;
+#endif
+#ifdef FL_GOBO_BEAMS
+  return once && kMethod == uint(FL_METHOD_GAUSS) && has_gobo(row) && gobo_is_sampled(row);
 #else
   return false;
 #endif

@@ -4,13 +4,15 @@
 layout(constant_id = FL_SPEC_ALIKE_READS) const bool kAlikeReads = false;  // subgroups have 8 threads
 layout(set = 0, binding = FL_BINDING_SHADOWS, std430) readonly buffer PlaneWordsBuffer { float plane_words[]; };
 
+const uint kRowWords = 4u * (1u + uint(FL_SHADOW_PLANES));  // of a ShadowRow
+
 // Four planes of a shadow that is the same for the whole subgroup.
 struct FourPlanes {
   vec4 of[4];
 };
 FourPlanes planes_alike(uint shadow, uint own[4]) {
   bool low = gl_SubgroupInvocationID < 4u;
-  uint first = 52u * shadow + 4u + (gl_SubgroupInvocationID & 3u);
+  uint first = kRowWords * shadow + 4u + (gl_SubgroupInvocationID & 3u);
   float pair[2] = float[2](plane_words[first + 4u * (low ? own[0] : own[1])],
                            plane_words[first + 4u * (low ? own[2] : own[3])]);
   FourPlanes four;

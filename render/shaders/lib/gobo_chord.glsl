@@ -42,8 +42,14 @@ struct GoboTables {
 };
 vec3 gobo_through(GoboTables tables, vec2 p) {
   p = 0.5 * p + 0.5;
-  if (kGoboMethod == uint(FL_GOBO_TABLES) && tables.gate != 0u) return gate_image(tables.gate - 1u, tables.planes, p);
+  if (tables.gate != 0u) return gate_image(tables.gate - 1u, tables.planes, p);
   return textureLod(gobo_images, vec3(p, float(tables.image - 1u)), 0.0).rgb;
+}
+
+// Where the place s of a chord lies in an image that is turned.
+vec2 gobo_end(Chord chord, float s, vec2 turn) {
+  vec2 at = gobo_place(s * chord.along + chord.offset * vec2(chord.along.y, -chord.along.x));
+  return vec2(turn.x * at.x + turn.y * at.y, turn.x * at.y - turn.y * at.x);
 }
 
 // The profile times W at a share `at` of the chord.
@@ -249,12 +255,8 @@ vec3 gobo_sampled(BeamShape beam, Medium medium, Chord chord, vec3 d, bool with_
   BeamRow row = gobo_row;
   ChordWeight weight = chord_weight(beam, medium, chord, d, with_extinction);
   GoboImage only = gobo_only_image(row);
-  vec2 turn = only.turn;
-  vec2 across = chord.offset * vec2(chord.along.y, -chord.along.x);
-  vec2 from = gobo_place(chord.s_from * chord.along + across);
-  vec2 to = gobo_place(chord.s_to * chord.along + across);
-  from = vec2(turn.x * from.x + turn.y * from.y, turn.x * from.y - turn.y * from.x);
-  to = vec2(turn.x * to.x + turn.y * to.y, turn.x * to.y - turn.y * to.x);
+  vec2 from = gobo_end(chord, chord.s_from, only.turn);
+  vec2 to = gobo_end(chord, chord.s_to, only.turn);
   const float kPart = 1.0 / float(kGoboTaps);
   vec3 total = vec3(0.0);
   for (uint tap = 0u; tap < kGoboTaps; ++tap) {
@@ -300,11 +302,8 @@ vec3 gobo_inscatter(BeamShape beam, Medium medium, Chord chord, vec3 d, bool wit
                         turn.x * chord.along.y - turn.y * chord.along.x);
         return gobo_whole_chord(tables.whole, tables.planes, chord, weight, way);
       }
-      vec2 across = chord.offset * vec2(chord.along.y, -chord.along.x);
-      vec2 from = gobo_place(chord.s_from * chord.along + across);
-      vec2 to = gobo_place(chord.s_to * chord.along + across);
-      from = vec2(turn.x * from.x + turn.y * from.y, turn.x * from.y - turn.y * from.x);
-      to = vec2(turn.x * to.x + turn.y * to.y, turn.x * to.y - turn.y * to.x);
+      vec2 from = gobo_end(chord, chord.s_from, turn);
+      vec2 to = gobo_end(chord, chord.s_to, turn);
       bool sharp = gobo_is_sharp(row);
       vec2 shifts = gobo_shifts(row, chord, d);
       vec2 blurs = gobo_line_blurs(row, shifts);
