@@ -181,14 +181,18 @@ gboolean HidSocket::on_write(UMockdevIoctlBase*, UMockdevIoctlClient* client, Hi
     const std::lock_guard lock(self->mutex_);
     const int number = self->write_count_++;
     if (self->unplug_at_write >= 0 && number >= self->unplug_at_write) self->plugged_ = false;
-    if (!self->is_there_for(client)) return answer(client, -1, ENODEV);
-    if (self->write_error != 0) return answer(client, -1, self->write_error);
-    UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
-    auto size = static_cast<std::size_t>(argument->data_len);
-    if (self->write_size_max >= 0) size = std::min(size, static_cast<std::size_t>(self->write_size_max));
-    if (size > 0) self->model_.data_out(kEndpointOut, {argument->data + 1, size - 1});  // without the report number
-    self->send_reports();
-    done = answer(client, static_cast<long>(size));
+    if (!self->is_there_for(client)) {
+      done = answer(client, -1, ENODEV);
+    } else if (self->write_error != 0) {
+      done = answer(client, -1, self->write_error);
+    } else {
+      UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
+      auto size = static_cast<std::size_t>(argument->data_len);
+      if (self->write_size_max >= 0) size = std::min(size, static_cast<std::size_t>(self->write_size_max));
+      if (size > 0) self->model_.data_out(kEndpointOut, {argument->data + 1, size - 1});  // without the report number
+      self->send_reports();
+      done = answer(client, static_cast<long>(size));
+    }
   }
   self->changed_.notify_all();
   return done;

@@ -46,6 +46,7 @@ class HidSocket {
     std::unique_lock lock(mutex_);
     return changed_.wait_until(lock, std::chrono::system_clock::now() + patience, f);
   }
+  [[nodiscard]] bool is_plugged() const { return plugged_; }  // in the function of wait_for() or with_model()
   // HIDIOCGRDESCSIZE: one request of the opener's check, then one of hid_open_path().
   [[nodiscard]] int size_request_count() const { return size_request_count_; }
   [[nodiscard]] std::string node() const;       // "/dev/hidraw1"
