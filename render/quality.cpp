@@ -78,8 +78,7 @@ Knobs knobs_of(const FrameSettings& settings) {
           .nodes = settings.nodes,
           .gobo_method = settings.gobo_method,
           .gobo_taps = settings.gobo_taps,
-          .body_error_px = settings.body_error_px,
-          .divisor = 1};
+          .body_error_px = settings.body_error_px};
 }
 
 FrameSettings with_knobs(FrameSettings settings, const Knobs& knobs) {
@@ -89,16 +88,16 @@ FrameSettings with_knobs(FrameSettings settings, const Knobs& knobs) {
   settings.gobo_method = knobs.gobo_method;
   settings.gobo_taps = knobs.gobo_taps;
   settings.body_error_px = knobs.body_error_px;
+  if (!knobs.smooth_edges) settings.edge_samples = 0;
+  settings.bounce = settings.bounce && knobs.bounce;
+  settings.probes = settings.probes && knobs.bounce;
+  settings.shadows = settings.shadows && knobs.shadows;
   return settings;
 }
 
 FrameSettings general_settings(FrameSettings settings) {
-  return with_knobs(settings, {.tile_error = 0,
-                               .nodes = 8,
-                               .gobo_method = GoboMethod::kTaps,
-                               .gobo_taps = 1024,
-                               .body_error_px = 0,
-                               .divisor = 1});
+  return with_knobs(
+      settings, {.tile_error = 0, .nodes = 8, .gobo_method = GoboMethod::kTaps, .gobo_taps = 1024, .body_error_px = 0});
 }
 
 std::string text_of(const Knobs& knobs) {
@@ -109,6 +108,9 @@ std::string text_of(const Knobs& knobs) {
     text += knobs.gobo_method == GoboMethod::kTables ? "gobo tables" : "gobos as suit the device";
   }
   text += fmt::format(", bodies {:g} px", knobs.body_error_px);
+  if (!knobs.smooth_edges) text += ", jagged edges";
+  if (!knobs.bounce) text += ", no reflected light";
+  if (!knobs.shadows) text += ", no shadows";
   if (knobs.divisor > 1) text += fmt::format(", 1/{} of the resolution", knobs.divisor);
   return text;
 }
@@ -173,6 +175,15 @@ double body_ms(const KnobCurves& curves, const fixtures::Needs& needs, double er
   return needs.fixtures && std::isfinite(own_ms) ? own_ms - least_ms : 0;
 }
 
+// `knobs` that leave out what `leaves` does.
+Knobs without(Knobs knobs, const Knobs& leaves) {
+  knobs.smooth_edges = leaves.smooth_edges;
+  knobs.bounce = leaves.bounce;
+  knobs.shadows = leaves.shadows;
+  knobs.divisor = leaves.divisor;
+  return knobs;
+}
+
 // Every combination of the groups that matter for such a rig, with these bodies.
 std::vector<KnobPoint> combinations(const KnobCurves& curves, const fixtures::Needs& needs, double body_error_px) {
   std::vector<KnobPoint> all = curves.beams;
@@ -191,6 +202,17 @@ std::vector<KnobPoint> combinations(const KnobCurves& curves, const fixtures::Ne
 
 }  // namespace
 
+std::span<const Knobs> left_out_knobs() {
+  static constexpr Knobs kLeftOut[] = {
+      {.smooth_edges = false},
+      {.smooth_edges = false, .bounce = false},
+      {.smooth_edges = false, .bounce = false, .shadows = false},
+      {.smooth_edges = false, .bounce = false, .shadows = false, .divisor = 2},
+      {.smooth_edges = false, .bounce = false, .shadows = false, .divisor = 4},
+  };
+  return kLeftOut;
+}
+
 std::optional<KnobPoint> predicted(const KnobCurves& curves, const fixtures::Needs& needs, Knobs knobs) {
   if (!needs.gobo || !needs.haze) {  // groups that are left out keep what they are by default
     knobs.gobo_method = Knobs{}.gobo_method;
@@ -201,7 +223,7 @@ std::optional<KnobPoint> predicted(const KnobCurves& curves, const fixtures::Nee
     });
     knobs.gobo_method = has_tables ? GoboMethod::kTables : GoboMethod::kTaps;
   }
-  knobs.divisor = 1;
+  knobs = without(knobs, {});
   for (const KnobPoint& point : combinations(curves, needs, knobs.body_error_px)) {
     if (point.knobs == knobs) return point;
   }
@@ -231,11 +253,11 @@ std::vector<KnobPoint> ladder_of(const KnobCurves& curves, const fixtures::Needs
     if (bodies.knobs.body_error_px > light.knobs.body_error_px) push_cheaper(point);
   }
   const KnobPoint cheapest = ladder.back();
-  for (const KnobPoint& size : curves.divisors) {
+  for (const KnobPoint& one : curves.left_out) {
     KnobPoint point = cheapest;
-    point.knobs.divisor = size.knobs.divisor;
-    point.ms *= size.ms / curves.divisors.front().ms;
-    if (size.knobs.divisor > 1) push_cheaper(point);
+    point.knobs = without(point.knobs, one.knobs);
+    point.ms *= one.ms / curves.left_out.front().ms;
+    if (one.knobs != curves.left_out.front().knobs) push_cheaper(point);
   }
   return ladder;
 }
@@ -246,7 +268,7 @@ std::size_t choose(std::span<const KnobPoint> ladder, const QualityRequest& requ
     std::size_t chosen = 0;
     for (std::size_t i = 0; i < ladder.size(); ++i) {
       const Knobs& knobs = ladder[i].knobs;
-      if (knobs.divisor != 1 || knobs.body_error_px != ladder.front().knobs.body_error_px) break;
+      if (knobs != without(knobs, {}) || knobs.body_error_px != ladder.front().knobs.body_error_px) break;
       if (ladder[i].error <= request.error) chosen = i;
     }
     return chosen;
@@ -273,8 +295,7 @@ constexpr KnobPoint fixed_row(double error, double tile_error, std::uint32_t nod
            .nodes = nodes,
            .gobo_method = GoboMethod::kTaps,
            .gobo_taps = gobo_taps,
-           .body_error_px = body_error_px,
-           .divisor = 1},
+           .body_error_px = body_error_px},
           error,
           0};
 }

@@ -27,6 +27,10 @@ struct Knobs {
   GoboMethod gobo_method = FrameSettings{}.gobo_method;
   std::uint32_t gobo_taps = FrameSettings{}.gobo_taps;
   double body_error_px = FrameSettings{}.body_error_px;
+  // False: left out, whatever the settings ask for; true: as they ask.
+  bool smooth_edges = true;
+  bool bounce = true;  // with what shiny things mirror of it
+  bool shadows = true;
   int divisor = 1;  // pixels of the window a side of one that is computed; the caller sets the size of the frame
   bool operator==(const Knobs&) const = default;
 };
@@ -58,27 +62,31 @@ struct KnobPoint {
 
 // Groups of knobs, each measured with the others as they are by default (times) or at their best (errors).
 struct KnobCurves {
-  std::vector<KnobPoint> beams;     // tile_error and nodes
-  std::vector<KnobPoint> gobos;     // gobo_method and gobo_taps
-  std::vector<KnobPoint> bodies;    // body_error_px; only their times count
-  std::vector<KnobPoint> divisors;  // divisor, with the cheapest of the others; 1 first; only their times count
+  std::vector<KnobPoint> beams;   // tile_error and nodes
+  std::vector<KnobPoint> gobos;   // gobo_method and gobo_taps
+  std::vector<KnobPoint> bodies;  // body_error_px; only their times count
+  // What a whole picture leaves out, in this order, with the cheapest of the others; nothing first. Only times count.
+  std::vector<KnobPoint> left_out;
 };
 
 // Pixels that bodies may be off beside an error of the light: half a pixel, below 1e-3 a quarter, below 3e-4 none.
 [[nodiscard]] double body_error_for(double error);
 
+// What a picture leaves out by and by where the cheapest knobs are still too slow: each of these and all before it. In
+// the order of what is lost (docs/decisions/0198-what-a-slow-machine-leaves-out.md), but edges before bounce, which
+// takes a tenth of their time on a CPU.
+[[nodiscard]] std::span<const Knobs> left_out_knobs();
+
 // Every setting that is worth its time for such a rig: from the least error to the least time, each at least a tenth
 // cheaper than the one before. Bodies are those for the error that is asked for, without one the default. Errors of
-// groups add as squares, times as they are. Behind the cheapest of these come
-// plainer bodies, and last lower resolutions: their error is that of the pixels that are computed. Empty without points
-// of beams.
+// groups add as squares, times as they are. Behind the cheapest of these come plainer bodies, and last what is left out
+// of whole pictures: the error there is still that of the beams that are computed. Empty without points of beams.
 [[nodiscard]] std::vector<KnobPoint> ladder_of(const KnobCurves& curves, const fixtures::Needs& needs,
                                                const QualityRequest& request = {});
 
-// The place in the ladder for a request. An error: the cheapest of full resolution, with the bodies that the ladder
-// begins with, that keeps it, or else the first. A
-// time: the first that takes at most so long when each takes `scale` times its ms, or else the last. The ladder is not
-// empty.
+// The place in the ladder for a request. An error: the cheapest that leaves nothing out, with the bodies that the
+// ladder begins with, that keeps it, or else the first. A time: the first that takes at most so long when each takes
+// `scale` times its ms, or else the last. The ladder is not empty.
 [[nodiscard]] std::size_t choose(std::span<const KnobPoint> ladder, const QualityRequest& request, double scale = 1);
 // The place that is nearest in time. The ladder is not empty.
 [[nodiscard]] std::size_t nearest(std::span<const KnobPoint> ladder, double ms);

@@ -29,11 +29,6 @@ KnobPoint body_point(double error_px, double ms) {
   knobs.body_error_px = error_px;
   return {knobs, 0, ms};
 }
-KnobPoint divisor_point(int divisor, double ms) {
-  Knobs knobs;
-  knobs.divisor = divisor;
-  return {knobs, 0, ms};
-}
 
 // A machine on which tiles cost more than they save with 2 nodes, and 4 nodes with tiles are never worth their time.
 KnobCurves some_curves() {
@@ -44,7 +39,12 @@ KnobCurves some_curves() {
   curves.gobos = {gobo_point(GoboMethod::kTaps, 1024, 0, 90), gobo_point(GoboMethod::kTaps, 64, 5e-3, 12),
                   gobo_point(GoboMethod::kTaps, 16, 5e-2, 10), gobo_point(GoboMethod::kTables, 128, 1e-3, 16)};
   curves.bodies = {body_point(0, 9), body_point(0.25, 4), body_point(0.5, 3), body_point(1, 2), body_point(2, 1)};
-  curves.divisors = {divisor_point(1, 8), divisor_point(2, 3), divisor_point(4, 1.5)};
+  curves.left_out = {{Knobs{}, 0, 8}};
+  double ms = 8;
+  for (const Knobs& knobs : left_out_knobs()) {
+    ms *= knobs.bounce || !knobs.shadows ? 0.6 : 0.95;  // the bounce alone is not worth a place
+    curves.left_out.push_back({knobs, 0, ms});
+  }
   return curves;
 }
 
@@ -74,7 +74,12 @@ TEST_CASE("each place of a ladder takes less time and has no less error than the
       CHECK(ladder[i].ms <= 0.9 * ladder[i - 1].ms);
       CHECK(ladder[i].error >= ladder[i - 1].error);
       CHECK(ladder[i].knobs.divisor >= ladder[i - 1].knobs.divisor);
+      CHECK(ladder[i].knobs.smooth_edges <= ladder[i - 1].knobs.smooth_edges);
+      CHECK(ladder[i].knobs.shadows <= ladder[i - 1].knobs.shadows);
+      CHECK((ladder[i].knobs.bounce || !ladder[i].knobs.shadows));  // too little time for a place of its own
     }
+    CHECK(ladder.front().knobs.smooth_edges);
+    CHECK(!ladder.back().knobs.bounce);
     CHECK(ladder.front().error == 0);
     CHECK(ladder.front().knobs.body_error_px == Knobs{}.body_error_px);
     CHECK(ladder.back().knobs.divisor == 4);
@@ -94,7 +99,10 @@ TEST_CASE("an error gets the cheapest knobs that keep it, at full resolution") {
   CHECK(knobs_for(5e-4).tile_error == 4e-3);
   CHECK(knobs_for(0.5).nodes == 2);
   CHECK(knobs_for(0.5).tile_error == 0);  // with tiles it is dearer and worse
-  for (const double error : {1e-9, 1e-4, 1e-3, 1e-2, 0.9}) CHECK(knobs_for(error).divisor == 1);
+  for (const double error : {1e-9, 1e-4, 1e-3, 1e-2, 0.9}) {
+    CHECK(knobs_for(error).divisor == 1);
+    CHECK(knobs_for(error).smooth_edges);
+  }
 }
 
 TEST_CASE("a gobo counts only in a rig that has one, and errors of two groups add as squares") {
@@ -181,6 +189,30 @@ TEST_CASE("settings by knobs are read back as those knobs, and the general path 
   CHECK(general.gobo_method == GoboMethod::kTaps);
   CHECK(general.nodes == 8);
   CHECK(general.body_error_px == 0);
+}
+
+TEST_CASE("knobs leave out parts of a picture, and add none that its settings leave out") {
+  FrameSettings asked;
+  asked.bounce = asked.probes = true;
+  const Knobs last = left_out_knobs().back();
+  const FrameSettings bare = with_knobs(asked, last);
+  CHECK(bare.edge_samples == 0);
+  CHECK(!bare.bounce);
+  CHECK(!bare.probes);
+  CHECK(!bare.shadows);
+  CHECK(text_of(last).ends_with(", jagged edges, no reflected light, no shadows, 1/4 of the resolution"));
+  const FrameSettings whole = with_knobs(asked, {});
+  CHECK(whole == asked);
+  CHECK(with_knobs(bare, {}) == bare);
+  for (std::size_t i = 1; i < left_out_knobs().size(); ++i) {
+    const Knobs& before = left_out_knobs()[i - 1];
+    const Knobs& knobs = left_out_knobs()[i];
+    CHECK(knobs != before);
+    CHECK((before.smooth_edges || !knobs.smooth_edges));
+    CHECK((before.bounce || !knobs.bounce));
+    CHECK((before.shadows || !knobs.shadows));
+    CHECK(knobs.divisor >= before.divisor);
+  }
 }
 
 // A scene that takes `load` times the ladder's times, with noise of up to a tenth that follows from the picture's

@@ -28,7 +28,8 @@ KnobCurves some_curves() {
   curves.gobos = {{knobs, 1e-2, 3}};
   curves.bodies = {{knobs, 0, 4}};
   knobs.divisor = 2;
-  curves.divisors = {{knobs, 0, 5}};
+  knobs.bounce = false;
+  curves.left_out = {{knobs, 0, 5}};
   return curves;
 }
 
@@ -39,7 +40,7 @@ bool equal(const KnobCurves& a, const KnobCurves& b) {
                         return x.knobs == y.knobs && x.error == y.error && x.ms == y.ms;
                       });
   };
-  return same(a.beams, b.beams) && same(a.gobos, b.gobos) && same(a.bodies, b.bodies) && same(a.divisors, b.divisors);
+  return same(a.beams, b.beams) && same(a.gobos, b.gobos) && same(a.bodies, b.bodies) && same(a.left_out, b.left_out);
 }
 
 render::vk::DeviceFacts some_facts() {

@@ -23,8 +23,8 @@ namespace footlight::tools {
 Status take_shadows(const std::string& text, render::FrameSettings& settings);
 inline constexpr const char* kShadowsHelp =
     "exact: cut at the edges of what hides light; maps or maps:N: by shadow maps of 64 or N texels a side, whose time "
-    "grows little with the number of things; on: as suits the rig; off: beams pass through boxes and fixtures, what "
-    "they reflect does not [on]";
+    "grows little with the number of things; on: as suits the rig, and in a window without a GPU maps; off: beams pass "
+    "through boxes and fixtures, what they reflect does not [on]";
 // "physical", "vrsl" or "card". The latter two fail if one of `units` is given: options that need units or an error.
 [[nodiscard]] Result<render::PictureStyle> parse_style(const std::string& text,
                                                        std::initializer_list<std::pair<const char*, bool>> units = {});

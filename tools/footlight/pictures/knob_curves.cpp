@@ -12,6 +12,8 @@
 #include <unistd.h>
 
 #include "sim/core/fnv.h"
+#include "tools/footlight/pictures/scene_files.h"
+#include "tools/footlight/pictures/timeline.h"
 
 namespace footlight::tools {
 namespace {
@@ -29,7 +31,7 @@ constexpr double kTileErrors[] = {0, 1e-3, 4e-3, 2e-2};
 constexpr std::uint32_t kNodes[] = {2, 3, 4};
 constexpr std::uint32_t kGoboTaps[] = {16, 32, 64, 128, 256};
 constexpr double kBodyErrorsPx[] = {0, 0.25, 0.5, 1, 2};
-constexpr int kDivisors[] = {1, 2, 4};
+constexpr DurationNs kDemoNs = 30 * kNsPerS;  // of the built-in show, whose whole pictures are timed
 constexpr std::size_t kPointsMax = 1000;
 constexpr std::uintmax_t kFileBytesMax = 1 << 20;
 
@@ -63,14 +65,17 @@ Result<KnobBench> KnobBench::make(render::vk::Device& device, const Scene& scene
   KnobBench bench(scene, settings);
   FL_ASSIGN(bench.frame_, Frame::create(device, scene.rig, scene.compiled, render::general_settings(settings)));
   bench.frame_->step(scene.levels, 0);
-  FL_TRY(bench.draw());
-  FL_ASSIGN(bench.general_, bench.frame_->read_radiance());
   return bench;
 }
 
 Status KnobBench::draw() { return frame_->draw(view_, exposure_ev_); }
 
 Result<double> KnobBench::error_of(const Knobs& knobs) {
+  if (general_.rgb.empty()) {
+    FL_TRY(frame_->change(render::general_settings(settings_)));
+    FL_TRY(draw());
+    FL_ASSIGN(general_, frame_->read_radiance());
+  }
   FL_TRY(frame_->change(render::with_knobs(settings_, knobs)));
   FL_TRY(draw());
   FL_ASSIGN(const RadianceImage picture, frame_->read_radiance());
@@ -102,22 +107,37 @@ KnobCurveOptions suited_curve_options(const render::vk::Device& device) {
   options.height = 108;
   options.beams = 150;  // tiles are for 128 beams and more
   options.gobo_beams = 4;
+  options.whole_width = 320;
+  options.whole_height = 180;
   options.runs = 2;
   return options;
 }
 
 namespace {
 
-// Errors of the points, then their times, a run of each in turn, so that what else the machine does meets all alike.
+// The built-in rig as the built-in show has it then, with motors at their targets.
+Result<Scene> demo_scene(DurationNs at_ns) {
+  SceneFiles files;
+  files.demo = true;
+  Scene scene;
+  scene.name = "demo";
+  FL_ASSIGN(scene.rig, load_scene_rig(files));
+  FL_ASSIGN(scene.compiled, fixtures::compile(scene.rig));
+  FL_ASSIGN(scene.camera, find_camera(scene.rig, {}));
+  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(files));
+  FL_CHECK(log);
+  Timeline timeline(std::move(*log), scene.compiled);
+  FL_TRY(timeline.advance(at_ns, 0, [&](std::span<const std::uint8_t> levels, std::int64_t, bool) {
+    scene.levels.assign(levels.begin(), levels.end());
+  }));
+  return scene;
+}
+
+// Times of the points, a run of each in turn, so that what else the machine does meets all alike.
 // timed_with: the knobs with which a point is timed.
 template <class TimedWith>
-Status measure(KnobBench& bench, std::vector<KnobPoint>& points, int runs, const std::function<Status()>& begin_knob,
-               TimedWith timed_with) {
-  for (KnobPoint& point : points) {
-    FL_TRY(begin_knob());
-    FL_ASSIGN(point.error, bench.error_of(point.knobs));
-    point.ms = std::numeric_limits<double>::infinity();
-  }
+Status time_points(KnobBench& bench, std::vector<KnobPoint>& points, int runs, TimedWith timed_with) {
+  for (KnobPoint& point : points) point.ms = std::numeric_limits<double>::infinity();
   for (int i = 0; i < runs; ++i) {
     for (KnobPoint& point : points) {
       FL_ASSIGN(const double ms, bench.ms_of(timed_with(point.knobs), 1));
@@ -125,6 +145,52 @@ Status measure(KnobBench& bench, std::vector<KnobPoint>& points, int runs, const
     }
   }
   return {};
+}
+
+// Errors of the points, then their times.
+template <class TimedWith>
+Status measure(KnobBench& bench, std::vector<KnobPoint>& points, int runs, const std::function<Status()>& begin_knob,
+               TimedWith timed_with) {
+  for (KnobPoint& point : points) {
+    FL_TRY(begin_knob());
+    FL_ASSIGN(point.error, bench.error_of(point.knobs));
+  }
+  return time_points(bench, points, runs, timed_with);
+}
+
+// With the cheapest of the other knobs.
+Status time_whole_pictures(render::vk::Device& device, const KnobCurveOptions& options,
+                           const std::function<Status()>& begin_knob, KnobCurves& curves) {
+  const auto cheapest = [](const std::vector<KnobPoint>& points) {
+    return std::min_element(points.begin(), points.end(),
+                            [](const KnobPoint& a, const KnobPoint& b) { return a.ms < b.ms; })
+        ->knobs;
+  };
+  FrameSettings settings;
+  settings.width = options.whole_width;
+  settings.height = options.whole_height;
+  settings.edge_samples = render::suited_edge_samples(device);
+  settings.shadow_map_px = render::kMapUsualPx;
+  settings.bounce = settings.probes = true;
+  FL_ASSIGN(const Scene demo, demo_scene(kDemoNs));
+  FL_ASSIGN(KnobBench bench, KnobBench::make(device, demo, settings));
+  const Knobs gobos = cheapest(curves.gobos);
+  Knobs whole = cheapest(curves.beams);
+  whole.gobo_method = gobos.gobo_method;
+  whole.gobo_taps = gobos.gobo_taps;
+  curves.left_out.push_back({whole, 0, 0});
+  for (Knobs knobs : render::left_out_knobs()) {
+    knobs.tile_error = whole.tile_error;
+    knobs.nodes = whole.nodes;
+    knobs.gobo_method = whole.gobo_method;
+    knobs.gobo_taps = whole.gobo_taps;
+    curves.left_out.push_back({knobs, 0, 0});
+  }
+  for (const KnobPoint& point : curves.left_out) {
+    FL_TRY(begin_knob());
+    FL_TRY(bench.ms_of(point.knobs, 1));  // compiles
+  }
+  return time_points(bench, curves.left_out, options.runs, [](const Knobs& knobs) { return knobs; });
 }
 
 }  // namespace
@@ -163,7 +229,8 @@ Result<KnobCurves> measure_knob_curves(render::vk::Device& device, const KnobCur
     curves.bodies.push_back({knobs, 0, 0});
   }
   double done = 0;
-  const auto all = static_cast<double>(curves.beams.size() + curves.gobos.size() + curves.bodies.size());
+  const auto all = static_cast<double>(curves.beams.size() + curves.gobos.size() + curves.bodies.size() + 1 +
+                                       render::left_out_knobs().size());
   const std::function<Status()> begin_knob = [&]() -> Status {
     if (!options.go_on || options.go_on(done++, all)) return {};
     return fail(ErrorCode::kIo, "the measurement of knobs was ended");
@@ -178,14 +245,6 @@ Result<KnobCurves> measure_knob_curves(render::vk::Device& device, const KnobCur
   {
     FL_ASSIGN(KnobBench bench, KnobBench::make(device, beams, settings));
     FL_TRY(measure(bench, curves.beams, options.runs, begin_knob, same));
-    const auto cheapest = std::min_element(curves.beams.begin(), curves.beams.end(),
-                                           [](const KnobPoint& a, const KnobPoint& b) { return a.ms < b.ms; });
-    for (const int divisor : kDivisors) {
-      Knobs knobs = cheapest->knobs;
-      knobs.divisor = divisor;
-      FL_ASSIGN(const double ms, bench.ms_of(knobs, options.runs));
-      curves.divisors.push_back({knobs, 0, ms});
-    }
   }
   settings.bodies = true;
   settings.haze = false;
@@ -198,12 +257,14 @@ Result<KnobCurves> measure_knob_curves(render::vk::Device& device, const KnobCur
   settings.width /= options.gobo_divisor;
   settings.height /= options.gobo_divisor;
   FL_ASSIGN(const Scene gobos, make_beams_scene(options.gobo_beams, {}, true));
-  FL_ASSIGN(KnobBench bench, KnobBench::make(device, gobos, settings));
-  FL_TRY(measure(bench, curves.gobos, options.runs, begin_knob, [&](Knobs knobs) {
-    knobs.tile_error = usual.tile_error;
-    knobs.nodes = usual.nodes;
-    return knobs;
-  }));
+  {
+    FL_ASSIGN(KnobBench bench, KnobBench::make(device, gobos, settings));
+    FL_TRY(measure(bench, curves.gobos, options.runs, begin_knob, [&](Knobs knobs) {
+      knobs.tile_error = usual.tile_error;
+      knobs.nodes = usual.nodes;
+      return knobs;
+    }));
+  }
   // Of the other knobs a point of gobos says nothing.
   for (KnobPoint& point : curves.gobos) {
     Knobs knobs;
@@ -211,6 +272,7 @@ Result<KnobCurves> measure_knob_curves(render::vk::Device& device, const KnobCur
     knobs.gobo_taps = point.knobs.gobo_taps;
     point.knobs = knobs;
   }
+  FL_TRY(time_whole_pictures(device, options, begin_knob, curves));
   return curves;
 }
 
@@ -238,14 +300,14 @@ std::string first_line(const render::vk::DeviceFacts& facts, std::string_view pr
   sum.add(std::as_bytes(std::span(rows)));
   std::string uuid;
   for (const std::uint8_t byte : facts.id.deviceUUID) uuid += fmt::format("{:02x}", byte);
-  return fmt::format("footlight-knobs 1 {} {:08x} {} {}\n", uuid, facts.properties.driverVersion, program, sum.text());
+  return fmt::format("footlight-knobs 2 {} {:08x} {} {}\n", uuid, facts.properties.driverVersion, program, sum.text());
 }
 
 constexpr std::pair<const char*, std::vector<KnobPoint> KnobCurves::*> kGroups[] = {
     {"beams", &KnobCurves::beams},
     {"gobos", &KnobCurves::gobos},
     {"bodies", &KnobCurves::bodies},
-    {"divisors", &KnobCurves::divisors}};
+    {"left_out", &KnobCurves::left_out}};
 
 bool is_sound(const KnobPoint& point) {
   return std::isfinite(point.error) && point.error >= 0 && std::isfinite(point.ms) && point.ms > 0 &&
@@ -259,13 +321,14 @@ bool is_sound(const KnobPoint& point) {
 
 Status write_knob_curves(const std::string& path, const render::vk::DeviceFacts& facts, std::string_view program,
                          const KnobCurves& curves) {
-  std::string rows = "group tile_error nodes gobo_method gobo_taps body_error_px divisor error ms\n";
+  std::string rows =
+      "group tile_error nodes gobo_method gobo_taps body_error_px smooth_edges bounce shadows divisor error ms\n";
   for (const auto& [name, group] : kGroups) {
     for (const KnobPoint& point : curves.*group) {
       const Knobs& knobs = point.knobs;
-      rows += fmt::format("{} {} {} {} {} {} {} {} {}\n", name, knobs.tile_error, knobs.nodes,
+      rows += fmt::format("{} {} {} {} {} {} {:d} {:d} {:d} {} {} {}\n", name, knobs.tile_error, knobs.nodes,
                           static_cast<std::uint32_t>(knobs.gobo_method), knobs.gobo_taps, knobs.body_error_px,
-                          knobs.divisor, point.error, point.ms);
+                          knobs.smooth_edges, knobs.bounce, knobs.shadows, knobs.divisor, point.error, point.ms);
     }
   }
   std::error_code trouble;
@@ -299,14 +362,14 @@ std::optional<KnobCurves> read_knob_curves(const std::string& path, const render
     std::uint32_t method = 0;
     Knobs& knobs = point.knobs;
     words >> name >> knobs.tile_error >> knobs.nodes >> method >> knobs.gobo_taps >> knobs.body_error_px >>
-        knobs.divisor >> point.error >> point.ms;
+        knobs.smooth_edges >> knobs.bounce >> knobs.shadows >> knobs.divisor >> point.error >> point.ms;
     knobs.gobo_method = static_cast<GoboMethod>(method);
     const auto group =
         std::find_if(std::begin(kGroups), std::end(kGroups), [&](const auto& one) { return one.first == name; });
     if (!words || !is_sound(point) || group == std::end(kGroups) || count >= kPointsMax) return {};
     (curves.*(group->second)).push_back(point);
   }
-  if (curves.beams.empty() || curves.gobos.empty() || curves.bodies.empty() || curves.divisors.empty()) return {};
+  if (curves.beams.empty() || curves.gobos.empty() || curves.bodies.empty() || curves.left_out.empty()) return {};
   return curves;
 }
 

@@ -42,10 +42,12 @@ class KnobBench {
 struct KnobCurveOptions {
   int width = 1920;
   int height = 1080;
-  int beams = 1000;      // of the scene without gobos
-  int gobo_divisor = 2;  // pixels a side of one of the scene with gobos, which takes the longest
-  int gobo_beams = 64;   // of that scene
-  int runs = 5;          // timed frames of each knob, taken in turn; 2 or more, since the first compiles
+  int beams = 1000;        // of the scene without gobos
+  int gobo_divisor = 2;    // pixels a side of one of the scene with gobos, which takes the longest
+  int gobo_beams = 64;     // of that scene
+  int whole_width = 1920;  // of whole pictures of the demo
+  int whole_height = 1080;
+  int runs = 5;  // timed frames of each knob, taken in turn; 2 or more, since the first compiles
   // Optional. Called before each knob; false ends the measurement with an error.
   std::function<bool(double done, double all)> go_on;
 };

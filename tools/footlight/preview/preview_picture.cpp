@@ -120,11 +120,13 @@ void Preview::take_curves(const render::KnobCurves& curves) {
   const render::QualityRequest& request = facts_.quality;
   ladder_ = render::ladder_of(curves, framed_->compiled.needs, request);
   if (ladder_.empty()) return;
-  // For a time, the first picture has the knobs nearest the default ones; how long it takes is then known.
+  // For a time, the first picture has the knobs nearest the default ones; how long it takes is then known. A CPU begins
+  // with the cheapest, since the default ones may take it seconds.
   const auto usual = render::predicted(curves, framed_->compiled.needs, {});
-  const std::size_t start = request.error > 0 ? render::choose(ladder_, request)
-                            : usual           ? render::nearest(ladder_, usual->ms)
-                                              : 0;
+  const std::size_t start = request.error > 0        ? render::choose(ladder_, request)
+                            : device_->is_software() ? ladder_.size() - 1
+                            : usual                  ? render::nearest(ladder_, usual->ms)
+                                                     : 0;
   if (request.ms > 0) keeper_.emplace(ladder_, request.ms, start);
   follow_knobs(ladder_[start]);
 }
