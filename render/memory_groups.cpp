@@ -61,7 +61,8 @@ std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
 
 std::uint64_t add_picture(const PictureImages& picture, Groups& groups) {
   std::uint64_t known = groups.add("light and screen", {}, {&picture.radiance, &picture.screen});
-  known += groups.add("which body a pixel shows", {&picture.pixel_depths, &picture.pixel_keys, &picture.draw_blocks},
+  known += groups.add("what a pixel shows",
+                      {&picture.pixel_depths, &picture.pixel_keys, &picture.pixel_boxes, &picture.draw_blocks},
                       {&picture.surface_id, &picture.depth});
   known += groups.add("beams by tile", {&picture.masks, &picture.fine_masks, &picture.tile_depths, &picture.coarse,
                                         &picture.rims, &picture.cuts});

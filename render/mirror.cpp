@@ -6,6 +6,7 @@
 #include "fixtures/model/gloss.h"
 #include "render/passes/beams.h"
 #include "render/passes/bodies.h"
+#include "render/passes/boxes.h"
 #include "render/passes/compute_pass.h"
 #include "render/passes/depths.h"
 #include "render/passes/displays.h"
@@ -22,8 +23,8 @@ namespace footlight::render {
 namespace {
 
 // The passes of the mirrored camera's view, in the order of the frame.
-const PassEntry* const kMirrored[] = {&kBodiesPass, &kTilesPass,       &kSurfacesPass, &kReflectionsPass,
-                                      &kDepthsPass, &kShadowtilesPass, &kHazePass,     &kBeamsPass,
+const PassEntry* const kMirrored[] = {&kBodiesPass,   &kBoxesPass,       &kTilesPass, &kSurfacesPass, &kReflectionsPass,
+                                      &kDepthsPass,   &kShadowtilesPass, &kHazePass,  &kBeamsPass,
                                       &kDisplaysPass, &kLensesPass};
 
 // The push constants of mirrordown.comp.
@@ -108,9 +109,9 @@ std::uint64_t mirror_bytes(const MemoryShape& shape) {
         FL_BINDING_DISPLAY_TILES, FL_BINDING_DISPLAY_RECORDS,
         FL_BINDING_TILE_DEPTHS, FL_BINDING_COARSE, FL_BINDING_RIMS, FL_BINDING_CUTS, FL_BINDING_SHADOW_WORDS,
         FL_BINDING_SHADOW_PICKS, FL_BINDING_FINE_MASKS, FL_BINDING_SHADE_WORDS, FL_BINDING_PIXEL_DEPTHS,
-        FL_BINDING_PIXEL_KEYS, FL_BINDING_DRAW_BLOCKS, FL_BINDING_EDGES, FL_BINDING_EDGE_MASKS,
-        FL_BINDING_EDGE_PARTS, FL_BINDING_EDGE_IDS, FL_BINDING_EDGE_SAMPLES, FL_BINDING_SURFACE_ID, FL_BINDING_DEPTH,
-        FL_BINDING_RADIANCE, FL_BINDING_SCREEN}) {
+        FL_BINDING_PIXEL_BOXES, FL_BINDING_PIXEL_KEYS, FL_BINDING_DRAW_BLOCKS, FL_BINDING_EDGES,
+        FL_BINDING_EDGE_MASKS, FL_BINDING_EDGE_PARTS, FL_BINDING_EDGE_IDS, FL_BINDING_EDGE_SAMPLES,
+        FL_BINDING_SURFACE_ID, FL_BINDING_DEPTH, FL_BINDING_RADIANCE, FL_BINDING_SCREEN}) {
     bytes += binding_bytes(static_cast<std::uint32_t>(binding), picture);
   }
   return bytes;

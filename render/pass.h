@@ -100,7 +100,8 @@ struct PassEntry {
 [[nodiscard]] inline std::uint32_t edge_room(const FrameSettings& settings) {
   const int row = settings.width * FL_TILE_PX;
   const int rows = (settings.height + FL_TILE_PX - 1) / FL_TILE_PX;
-  return static_cast<std::uint32_t>(std::clamp(settings.edge_pixels, row, rows * row));
+  const int most = std::min(rows * row, 1 << FL_EDGE_SLOT_BITS);
+  return static_cast<std::uint32_t>(std::clamp(settings.edge_pixels, row, most));
 }
 // Parts of a picture, each of which has room for the samples of its pixels with an edge, if all have one.
 [[nodiscard]] inline std::uint32_t edge_part_count(const FrameSettings& settings) {

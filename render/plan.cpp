@@ -3,6 +3,7 @@
 #include "render/passes/beams.h"
 #include "render/passes/blur.h"
 #include "render/passes/bodies.h"
+#include "render/passes/boxes.h"
 #include "render/passes/bounce.h"
 #include "render/passes/coarse.h"
 #include "render/passes/depths.h"
@@ -42,6 +43,7 @@ const PassEntry* const kPasses[] = {
     &kShadowsPass,   // beams x boxes and bodies -> which part of each beam they hide
     &kGobosPass,     // beams -> tables of their gobos that are not built yet
     &kBodiesPass,    // fixture bodies -> visibility buffer
+    &kBoxesPass,     // stage boxes -> which of them each pixel shows
     &kTilesPass,     // beams -> which supertile they touch
     &kBouncePass,    // beams x boxes and scenery -> light that these reflect
     &kProbesPass,    // light that boxes and scenery reflect, beams in haze -> what shiny surfaces mirror

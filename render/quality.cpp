@@ -202,6 +202,8 @@ std::vector<KnobPoint> combinations(const KnobCurves& curves, const fixtures::Ne
 
 }  // namespace
 
+Knobs with_everything(Knobs knobs) { return without(knobs, {}); }
+
 std::span<const Knobs> left_out_knobs() {
   static constexpr Knobs kLeftOut[] = {
       {.smooth_edges = false},
@@ -223,7 +225,7 @@ std::optional<KnobPoint> predicted(const KnobCurves& curves, const fixtures::Nee
     });
     knobs.gobo_method = has_tables ? GoboMethod::kTables : GoboMethod::kTaps;
   }
-  knobs = without(knobs, {});
+  knobs = with_everything(knobs);
   for (const KnobPoint& point : combinations(curves, needs, knobs.body_error_px)) {
     if (point.knobs == knobs) return point;
   }
@@ -268,7 +270,7 @@ std::size_t choose(std::span<const KnobPoint> ladder, const QualityRequest& requ
     std::size_t chosen = 0;
     for (std::size_t i = 0; i < ladder.size(); ++i) {
       const Knobs& knobs = ladder[i].knobs;
-      if (knobs != without(knobs, {}) || knobs.body_error_px != ladder.front().knobs.body_error_px) break;
+      if (knobs != with_everything(knobs) || knobs.body_error_px != ladder.front().knobs.body_error_px) break;
       if (ladder[i].error <= request.error) chosen = i;
     }
     return chosen;
@@ -281,7 +283,7 @@ std::size_t choose(std::span<const KnobPoint> ladder, const QualityRequest& requ
 
 std::size_t nearest(std::span<const KnobPoint> ladder, double ms) {
   std::size_t best = 0;
-  for (std::size_t i = 1; i < ladder.size(); ++i) {
+  for (std::size_t i = 1; i < ladder.size() && ladder[i].knobs == with_everything(ladder[i].knobs); ++i) {
     if (std::abs(ladder[i].ms - ms) < std::abs(ladder[best].ms - ms)) best = i;
   }
   return best;

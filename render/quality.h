@@ -76,6 +76,8 @@ struct KnobCurves {
 // the order of what is lost (docs/decisions/0198-what-a-slow-machine-leaves-out.md), but edges before bounce, which
 // takes a tenth of their time on a CPU.
 [[nodiscard]] std::span<const Knobs> left_out_knobs();
+// The same knobs, with nothing left out and every pixel.
+[[nodiscard]] Knobs with_everything(Knobs knobs);
 
 // Every setting that is worth its time for such a rig: from the least error to the least time, each at least a tenth
 // cheaper than the one before. Bodies are those for the error that is asked for, without one the default. Errors of
@@ -88,7 +90,7 @@ struct KnobCurves {
 // ladder begins with, that keeps it, or else the first. A time: the first that takes at most so long when each takes
 // `scale` times its ms, or else the last. The ladder is not empty.
 [[nodiscard]] std::size_t choose(std::span<const KnobPoint> ladder, const QualityRequest& request, double scale = 1);
-// The place that is nearest in time. The ladder is not empty.
+// The place that is nearest in time, of those that leave nothing out. The ladder is not empty.
 [[nodiscard]] std::size_t nearest(std::span<const KnobPoint> ladder, double ms);
 // What the curves say of these knobs, as a place of a ladder; nothing where they were not measured. kSuited is what the
 // curves have: tables, or else samples.

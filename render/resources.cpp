@@ -305,6 +305,10 @@ std::uint64_t computed_bytes(const fixtures::Needs& needs, const FrameSettings& 
   return has_computed_triangles(needs, settings) ? pixel_words(settings) : 4;
 }
 
+std::uint64_t pixel_box_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.surfaces ? pixel_words(settings) : 4;
+}
+
 std::uint64_t pixel_key_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_joined_words(needs, settings) ? 2 * pixel_words(settings) : computed_bytes(needs, settings);
 }
@@ -544,6 +548,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       return record_bytes(records, settings, record_rows(records, settings, mask_words_of(shape.compiled), classes));
     }
     case FL_BINDING_PIXEL_DEPTHS: return computed_bytes(shape.needs, settings);
+    case FL_BINDING_PIXEL_BOXES: return pixel_box_bytes(shape.needs, settings);
     case FL_BINDING_PIXEL_KEYS: return pixel_key_bytes(shape.needs, settings);
     case FL_BINDING_DRAW_BLOCKS: return draw_block_bytes(shape.needs, settings);
     case FL_BINDING_EDGES:
@@ -739,6 +744,7 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   FL_ASSIGN(p.rims, zeroed(device, record_bytes(kRims, settings, p.rims_max)));
   FL_ASSIGN(p.cuts, zeroed(device, record_bytes(kCuts, settings, p.cuts_max)));
   FL_ASSIGN(p.pixel_depths, zeroed(device, computed_bytes(needs, settings)));
+  FL_ASSIGN(p.pixel_boxes, zeroed(device, pixel_box_bytes(needs, settings)));
   FL_ASSIGN(p.pixel_keys, zeroed(device, pixel_key_bytes(needs, settings)));
   FL_ASSIGN(p.draw_blocks, zeroed(device, draw_block_bytes(needs, settings), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
   FL_ASSIGN(p.edge_ids, zeroed(device, edge_id_bytes(needs, settings)));
@@ -814,6 +820,7 @@ void Resources::bind_all() {
   bind(FL_BINDING_SHADE_WORDS, picture.shade_words);
   bind(FL_BINDING_FINE_MASKS, picture.fine_masks);
   bind(FL_BINDING_PIXEL_DEPTHS, picture.pixel_depths);
+  bind(FL_BINDING_PIXEL_BOXES, picture.pixel_boxes);
   bind(FL_BINDING_PIXEL_KEYS, picture.pixel_keys);
   bind(FL_BINDING_DRAW_BLOCKS, picture.draw_blocks);
   bind(FL_BINDING_EDGE_MASKS, picture.edge_masks);

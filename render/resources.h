@@ -206,6 +206,7 @@ struct PictureImages {
   vk::Buffer shade_words;               // ShadowWordRow, one a word of fine_masks
   vk::Buffer fine_masks;                // masks of FL_FINE_PX x FL_FINE_PX pixels; likewise
   vk::Buffer pixel_depths, pixel_keys;  // of triangles that compute shaders draw, a word a pixel; likewise
+  vk::Buffer pixel_boxes;               // which box a pixel shows; one word without boxes
   vk::Buffer draw_blocks;               // DrawBlocksHead, then DrawBlockRow
   vk::Buffer edge_ids;                  // two words a pixel; likewise
   vk::Buffer edge_samples;              // FrameSettings::edge_samples for edge_room() pixels; likewise

@@ -7,6 +7,7 @@
 #include "render/shaders/lib/surface.glsl"
 #include "render/shaders/lib/edge_surfaces.glsl"
 #include "render/shaders/lib/edge_samples.glsl"
+#include "render/shaders/lib/box_cull.glsl"
 layout(local_size_x = FL_GROUP_EDGES) in;
 layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) buffer EdgeMasksBuffer { uint edge_masks[]; };
 layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) buffer EdgePartsBuffer { EdgePartRow edge_parts[]; };
@@ -18,8 +19,6 @@ shared uint first_pixel;                 // the number of the first one
 shared uint near_boxes[FL_GROUP_EDGES];  // of a round: those that the tile may show
 shared uint near_count;
 
-const float kHalfTile = 0.5 * float(FL_TILE_PX);
-
 // Each thread has so many samples of a pixel, in registers: loops over them are unrolled.
 #define FL_OWN 4
 const uint kThreadsPerPixel = kSamples / FL_OWN;
@@ -27,28 +26,6 @@ ivec2 own_pixel;  // within the tile
 uint own_first;   // the number of its first sample
 float own_m[FL_OWN];  // depth along the camera's axis
 uint own_id[FL_OWN];
-
-// Whether a ray of the tile's pixels may meet a box; never false where one does.
-bool may_show(ivec2 low, vec3 box_low, vec3 box_high) {
-  vec2 size = vec2(float(params.width), float(params.height));
-  vec2 middle = (vec2(low) + kHalfTile) * vec2(2.0, -2.0) / size + vec2(-1.0, 1.0);
-  vec2 half_tile = (kHalfTile + 0.01) * 2.0 / size;
-  vec3 across = params.right.xyz / dot(params.right.xyz, params.right.xyz);
-  vec3 up = params.up.xyz / dot(params.up.xyz, params.up.xyz);
-  vec3 ahead = params.forward.xyz;
-  vec3 from = 0.5 * (box_low + box_high) - params.position.xyz;
-  // What float may lose of a difference.
-  vec3 half_box = 0.5 * (box_high - box_low) * 1.00001 + 1e-6 * (abs(from) + abs(params.position.xyz));
-  float depth = dot(from, ahead);
-  float nearest = depth + dot(half_box, abs(ahead));  // the farthest corner, which is nearest to being in the picture
-  // In the space of rays through the tile's middle: x - middle times depth, which the tile bounds by its half size.
-  vec3 to_x = across - ahead * middle.x;
-  vec3 to_y = up - ahead * middle.y;
-  vec2 at = vec2(dot(from, to_x), dot(from, to_y));
-  vec2 reach = vec2(dot(half_box, abs(to_x)), dot(half_box, abs(to_y))) + half_tile * (nearest - depth);
-  return nearest > 0.0 && all(lessThanEqual(-half_tile * depth, at + reach)) &&
-         all(lessThanEqual(at - reach, half_tile * depth));
-}
 
 void sample_box(ivec2 low, uint b) {
   [[unroll]] for (uint i = 0u; i < FL_OWN; ++i) {

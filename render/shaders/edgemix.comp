@@ -74,7 +74,7 @@ uint best_pixel(uint at, uint word, vec2 place) {
   float z = sample_depth(word);
   float least = kNoNeighbour;
   uint best = 4u;
-  for (uint n = 0u; n < 9u; ++n) {
+  [[unroll]] for (uint n = 0u; n < 9u; ++n) {
     uint there = at + n / 3u * FL_SIDE + n % 3u;
     if (marks[there] != mark) continue;
     vec2 apart = place - vec2(float(n % 3u), float(n / 3u)) + 1.0;

@@ -17,7 +17,8 @@ layout(set = 0, binding = FL_BINDING_EDGE_PARTS, std430) buffer EdgePartsBuffer 
 #define FL_SIDE (FL_TILE_PX + 2)
 shared uint shown_id[FL_SIDE * FL_SIDE];
 shared vec3 shown_normal[FL_SIDE * FL_SIDE];  // not of boxes
-shared float shown_m[FL_SIDE * FL_SIDE];  // along the unit ray
+shared vec3 shown_place[FL_SIDE * FL_SIDE];   // from the camera, m
+shared float shown_m[FL_SIDE * FL_SIDE];      // along the unit ray, as of the place
 shared float shown_z[FL_SIDE * FL_SIDE];  // as a depth of the buffer: larger is nearer
 shared float shown_inverse[FL_SIDE * FL_SIDE];  // one over its depth along the axis, within the picture
 shared uint mask[FL_TILE_PX];             // the pixels of a row that may have an edge
@@ -35,7 +36,8 @@ void load_shown(ivec2 low) {
     shown_id[i] = surface_name(surface);
     bool is_box = surface.kind == kBox || surface.kind == kNothing;
     shown_normal[i] = is_box ? vec3(0.0) : unpack_normal(pack_normal(surface.normal));
-    shown_m[i] = surface.t_m;
+    shown_m[i] = min(surface.t_m, 1e15);
+    shown_place[i] = ray * shown_m[i];
     shown_inverse[i] = length(way) / surface.t_m;
     shown_z[i] = surface.kind == kNothing ? 0.0 : params.right.w / (surface.t_m * dot(ray, params.forward.xyz));
   }
@@ -48,15 +50,11 @@ const float kCreaseRatio = 4.0;     // a crease turns by twice as much as the su
 const float kSharpCrease = 0.3;     // ... or by 45 degrees
 const ivec2 kWays[4] = ivec2[4](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, -1));
 
-vec3 shown_place(ivec2 p, ivec2 low) {
-  return normalize(ray_through(vec2(low + p) + 0.5)) * min(shown_m[at_side(p)], 1e15);
-}
-
 // Whether the surface between a pixel and its neighbour has a step. A smooth one goes on at the mean of both normals.
-bool has_step(ivec2 p, ivec2 to, ivec2 low) {
-  vec3 normals = shown_normal[at_side(p)] + shown_normal[at_side(to)];
-  vec3 apart = shown_place(to, low) - shown_place(p, low);
-  float pixel_m = 2.0 / float(params.width) * length(params.right.xyz) * min(shown_m[at_side(p)], 1e15);
+// pixel_m: the size of the pixel there.
+bool has_step(uint own, uint to, float pixel_m) {
+  vec3 normals = shown_normal[own] + shown_normal[to];
+  vec3 apart = shown_place[to] - shown_place[own];
   return abs(dot(normals, apart)) > 2.0 * kStepPx * pixel_m;
 }
 
@@ -66,19 +64,20 @@ bool may_have_edge(ivec2 p, ivec2 low) {
   bool is_box = id == 0u || (id & (FL_BOX_ID | FL_OBJECT)) == FL_BOX_ID;  // a plane, or nothing
   vec3 normal = shown_normal[own];
   float inverse = shown_inverse[own];
+  float pixel_m = 2.0 / float(params.width) * length(params.right.xyz) * shown_m[own];
   bool edge = false;
   ivec2 size = ivec2(int(params.width), int(params.height));
-  for (int w = 0; w < 4; ++w) {
+  [[unroll]] for (int w = 0; w < 4; ++w) {
     uint before = at_side(p - kWays[w]);
     uint after = at_side(p + kWays[w]);
     edge = edge || shown_id[before] != id || shown_id[after] != id;
-    for (int k = 0; k < (is_box || edge ? 0 : 1); ++k) {
+    if (!is_box && !edge) {
       ivec2 from = low + p - kWays[w];
       ivec2 to = low + p + kWays[w];
       bool inside = all(greaterThanEqual(min(from, to), ivec2(0))) && all(lessThan(max(from, to), size));
       float off = shown_inverse[before] + shown_inverse[after] - 2.0 * inverse;
       if (inside && abs(off) > kStep * inverse) {
-        edge = has_step(p, p - kWays[w], low) || has_step(p, p + kWays[w], low);
+        edge = has_step(own, before, pixel_m) || has_step(own, after, pixel_m);
       }
       float turn_before = 1.0 - dot(normal, shown_normal[before]);
       float turn_after = 1.0 - dot(normal, shown_normal[after]);

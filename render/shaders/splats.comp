@@ -35,15 +35,21 @@ void main() {
       if (reaches) atomicOr(near_bits[thread / 32u], 1u << (thread % 32u));
     }
     barrier();
-    for (uint w = 0u; w < kThreads / 32u; ++w) {
+    // Words without heads take time on lavapipe: it runs the body of a loop once if the loop has no round.
+    uint words = (min(params.head_count - from, kThreads) + 31u) / 32u;
+    uint any_bits = 0u;
+    for (uint w = 0u; w < words; ++w) any_bits |= near_bits[w];
+    // Here and not beside each lens, since lavapipe runs both sides of a branch.
+    if (any_bits != 0u && !ready) {
+      for (uint i = 0u; i < 4u; ++i) {
+        uvec2 pixel = min(low + gl_LocalInvocationID.xy + uint(FL_SIDE) * uvec2(i & 1u, i >> 1), size - 1u);
+        shown_m[i] = surface_at(ivec2(pixel), normalize(ray_through(vec2(pixel) + 0.5))).t_m;
+      }
+      ready = true;
+    }
+    for (uint w = 0u; w < words; ++w) {
       for (uint bits = near_bits[w]; bits != 0u; bits &= bits - 1u) {
         LensRow row = lenses[from + 32u * w + uint(findLSB(bits))];
-        for (; !ready; ready = true) {  // a loop, since lavapipe runs both sides of a branch
-          for (uint i = 0u; i < 4u; ++i) {
-            uvec2 pixel = min(low + gl_LocalInvocationID.xy + uint(FL_SIDE) * uvec2(i & 1u, i >> 1), size - 1u);
-            shown_m[i] = surface_at(ivec2(pixel), normalize(ray_through(vec2(pixel) + 0.5))).t_m;
-          }
-        }
         for (uint i = 0u; i < 4u; ++i) {
           uvec2 pixel = low + gl_LocalInvocationID.xy + uint(FL_SIDE) * uvec2(i & 1u, i >> 1);
           sums[i] += lens_splat(row, vec2(pixel) + 0.5, shown_m[i]);

@@ -207,9 +207,8 @@ uint keep_touching() {
   for (uint at = 0u; at < listed; at += kGroup) {
     uint id = 0u;
     bool touches = false;
-    // A loop of one round: lavapipe skips a loop without active threads, but no branch.
-    for (uint own = at + number; own < min(at + kGroup, listed); own += kGroup) {
-      id = list_ids[own];
+    if (at + number < listed) {
+      id = list_ids[at + number];
       BeamRow row = beams[id];
       BeamShape bound = beam_bound(row, FL_THIN_ON_SURFACE);
       touches = cone_touches(row, bound, spheres[2u * FL_BLOCKS]) ||

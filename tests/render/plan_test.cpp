@@ -16,10 +16,10 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step", "gather", "mirrors", "shadows", "gobos", "bodies", "tiles", "bounce",
-                                    "probes", "surfaces", "reflections", "gloss", "depths", "shadowtiles", "haze",
-                                    "coarse", "records", "fine", "shade", "beams", "lasers", "shafts", "displays",
-                                    "edges", "strips", "lenses", "blur", "glare", "tonemap"};
+const std::vector<std::string> kAll{"step", "gather", "mirrors", "shadows", "gobos", "bodies", "boxes", "tiles",
+                                    "bounce", "probes", "surfaces", "reflections", "gloss", "depths", "shadowtiles",
+                                    "haze", "coarse", "records", "fine", "shade", "beams", "lasers", "shafts",
+                                    "displays", "edges", "strips", "lenses", "blur", "glare", "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"coarse", "records", "fine", "shade"};
 
@@ -176,6 +176,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_PENUMBRA, 1}}},
                               {"gobos", {{FL_SPEC_FOCUS, 1}}},
                               {"bodies", {{FL_SPEC_GLOSS, 1}, {FL_SPEC_SHEEN, 1}}},
+                              {"boxes", {{FL_SPEC_GLOSS, 1}}},
                               {"tiles", {{FL_SPEC_RECTANGLE, 1}}},
                               {"bounce",
                                {{FL_SPEC_GOBO, 1},
@@ -377,7 +378,10 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"profile", &Needs::profile, {}, {FL_SPEC_PROFILE}},
         Case{"wide", &Needs::wide, {}, {FL_SPEC_WIDE}},
         Case{"iris", &Needs::iris, {}, {FL_SPEC_IRIS}},
-        Case{"surfaces", &Needs::surfaces, {"bounce", "probes", "reflections"}, {FL_SPEC_BOXES, FL_SPEC_BOUNCE}},
+        Case{"surfaces",
+             &Needs::surfaces,
+             {"boxes", "bounce", "probes", "reflections"},
+             {FL_SPEC_BOXES, FL_SPEC_BOUNCE}},
         Case{"clouds", &Needs::haze_field, {"haze"}, {FL_SPEC_HAZE}},
         Case{"haze",
              &Needs::haze,
@@ -505,11 +509,11 @@ TEST_CASE("an empty rig needs no pass at all") {
   // A stage without fixtures is lit by the work light.
   Needs needs;
   needs.surfaces = true;
-  CHECK(names_of(plan_frame(needs, {})) == std::vector<std::string>{"surfaces", "edges", "glare", "tonemap"});
+  CHECK(names_of(plan_frame(needs, {})) == std::vector<std::string>{"boxes", "surfaces", "edges", "glare", "tonemap"});
   FrameSettings plain;
   plain.edge_samples = 0;
   plain.glare = 0;
-  CHECK(names_of(plan_frame(needs, plain)) == std::vector<std::string>{"surfaces", "tonemap"});
+  CHECK(names_of(plan_frame(needs, plain)) == std::vector<std::string>{"boxes", "surfaces", "tonemap"});
   // Displays without cases are nothing solid, but they are to be seen.
   needs = {};
   needs.displays = true;

@@ -215,6 +215,16 @@ TEST_CASE("knobs leave out parts of a picture, and add none that its settings le
   }
 }
 
+TEST_CASE("the place nearest in time leaves nothing out, however little time is asked for") {
+  const auto ladder = ladder_of(some_curves(), some_needs(true));
+  const std::size_t least = nearest(ladder, 0);
+  CHECK(least > 0);
+  CHECK(ladder[least].knobs == with_everything(ladder[least].knobs));
+  REQUIRE(least + 1 < ladder.size());
+  CHECK(!ladder[least + 1].knobs.smooth_edges);
+  CHECK(nearest(ladder, ladder.front().ms) == 0);
+}
+
 // A scene that takes `load` times the ladder's times, with noise of up to a tenth that follows from the picture's
 // number. Returns the places of all pictures.
 struct Run {

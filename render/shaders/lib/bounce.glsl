@@ -67,8 +67,7 @@ vec3 bounced_lx(Surface surface, vec3 place) {
   vec3 lx = vec3(0.0);
   uint first = FL_NONE;
   if (bounce_grid.patches == 0u) return lx;
-  // Loops of one round: lavapipe skips a loop without active threads, but no branch.
-  for (uint once = surface.kind == kBox ? 0u : 1u; once < 1u; ++once) {
+  if (surface.kind == kBox) {
     vec3 size = abs(surface.normal);
     uint axis = size.x > 0.5 ? 0u : size.y > 0.5 ? 1u : 2u;
     uint face = 2u * axis + (surface.normal[axis] > 0.0 ? 1u : 0u);
@@ -80,8 +79,6 @@ vec3 bounced_lx(Surface surface, vec3 place) {
       lx = bounced_on_face(first, bounce_solids[surface.which].count[face], on_face);
     }
   }
-  for (uint once = surface.kind == kNothing || first != FL_NONE ? 1u : 0u; once < 1u; ++once) {
-    lx = bounced_on_body(surface.normal, place);
-  }
+  if (surface.kind != kNothing && first == FL_NONE) lx = bounced_on_body(surface.normal, place);
   return lx;
 }

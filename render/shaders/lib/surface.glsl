@@ -1,13 +1,14 @@
-// What solid thing a ray meets, and how far away: stage boxes by cutting the ray with them, fixture bodies from the
-// visibility buffer. Boxes are not drawn, since the plane of a face is exact where interpolated depth is not (hardware
-// snaps corners to 1/256 of a pixel, centimetres on a floor seen from far away), and since fragment work is slow on
-// some GPUs: two boxes over 3840 x 2160 take 3.3 ms to draw on an H200.
+// What solid thing a pixel's ray meets, and how far away: the stage box that boxes.comp found, by cutting the ray with
+// it, and fixture bodies from the visibility buffer. Boxes are not drawn, since the plane of a face is exact where
+// interpolated depth is not (hardware snaps corners to 1/256 of a pixel, centimetres on a floor seen from far away),
+// and since fragment work is slow on some GPUs: two boxes over 3840 x 2160 take 3.3 ms to draw on an H200.
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 layout(constant_id = FL_SPEC_SHEEN) const bool kSheen = false;
 layout(set = 0, binding = FL_BINDING_SURFACE_ID, rg32ui) uniform readonly uimage2D surface_id;
 layout(set = 0, binding = FL_BINDING_DEPTH) uniform sampler2D depth_image;
 layout(set = 0, binding = FL_BINDING_BOXES, std430) readonly buffer BoxesBuffer { BoxRow boxes[]; };
+layout(set = 0, binding = FL_BINDING_PIXEL_BOXES, std430) readonly buffer PixelBoxesBuffer { uint pixel_boxes[]; };
 layout(set = 0, binding = FL_BINDING_PIXEL_DEPTHS, std430) readonly buffer SmallDepthsBuffer { uint pixel_depths[]; };
 #include "render/shaders/lib/normal.glsl"
 #include "render/shaders/lib/mirror.glsl"
@@ -46,6 +47,7 @@ Surface triangle_at(ivec2 pixel) {
   return triangle_of(imageLoad(surface_id, pixel).xy);
 }
 
+// ray: unit, through the pixel's middle.
 Surface surface_at(ivec2 pixel, vec3 ray) {
   Surface hit = Surface(kNothing, 0u, vec3(0.0, 0.0, 1.0), kNothingM, 0u);
   if (kBodies) {
@@ -56,29 +58,17 @@ Surface surface_at(ivec2 pixel, vec3 ray) {
     }
   }
   if (kBoxes) {
-    vec3 inverse = 1.0 / mix(ray, vec3(1e-12), lessThan(abs(ray), vec3(1e-12)));
-    vec3 start = params.position.xyz * inverse;
-    float nearest_m = hit.t_m;
-    float begin_m = ray_begin(ray) * (1.0 - 1e-5);
-    uint nearest = ~0u;
-    for (uint b = 0u, boxes_end = FL_NOT_IN_CODE(params.box_count); b < boxes_end; ++b) {
-      vec3 to_low = boxes[b].low.xyz * inverse - start;
-      vec3 to_high = boxes[b].high.xyz * inverse - start;
-      vec3 in_m = min(to_low, to_high);
-      vec3 out_m = max(to_low, to_high);
-      float enter_m = max(in_m.x, max(in_m.y, in_m.z));
-      float leave_m = min(out_m.x, min(out_m.y, out_m.z));
-      bool closer = enter_m > begin_m && enter_m <= leave_m && enter_m < nearest_m;
-      nearest_m = closer ? enter_m : nearest_m;
-      nearest = closer ? b : nearest;
-    }
-    if (nearest != ~0u) {
-      // The face is where the ray comes in last; its distance once more, from the difference, without cancellation.
-      vec3 in_m = min((boxes[nearest].low.xyz - params.position.xyz) * inverse,
-                      (boxes[nearest].high.xyz - params.position.xyz) * inverse);
+    uint box = pixel_boxes[uint(pixel.y) * params.width + uint(pixel.x)];
+    if (box != FL_NONE) {
+      // The face is where the ray comes in last.
+      vec3 inverse = 1.0 / mix(ray, vec3(1e-12), lessThan(abs(ray), vec3(1e-12)));
+      vec3 in_m = min((boxes[box].low.xyz - params.position.xyz) * inverse,
+                      (boxes[box].high.xyz - params.position.xyz) * inverse);
       float enter_m = max(in_m.x, max(in_m.y, in_m.z));
       vec3 face = in_m.x >= enter_m ? vec3(1, 0, 0) : in_m.y >= enter_m ? vec3(0, 1, 0) : vec3(0, 0, 1);
-      hit = Surface(kBox, nearest, -sign(ray) * face, enter_m, kSheen ? uint(boxes[nearest].albedo.w) : 0u);
+      if (enter_m < hit.t_m) {
+        hit = Surface(kBox, box, -sign(ray) * face, enter_m, kSheen ? uint(boxes[box].albedo.w) : 0u);
+      }
     }
   }
   return hit;

@@ -134,8 +134,6 @@ void add_nodes(uint count, inout float sum) {
 // Of `count` <= FL_COVERS_MAX beams that cover the plane, whose light is in node_light: this thread's own, with its
 // colour. Returns whether it is smooth. sum: of thread k < FL_TILE_LIGHT, the light of the smooth ones at node k / 3 in
 // channel k % 3. All threads of the group call it together.
-//
-// Loops of one round instead of branches: lavapipe skips a loop without active threads.
 bool add_smooth_beams(uint count, vec3 color, inout float sum) {
   uint number = thread_number();
   vec2 fit = vec2(0.0, FL_FAR_M);

@@ -1,5 +1,5 @@
-// Draws triangles of a body or of objects. Each thread places its own and draws it if it has few pixels; then all
-// threads draw the rows of the others, so that none waits for one with more. After triangle_pixels.glsl or
+// Draws triangles of a body or of objects. Each thread places its own and draws it if it has few pixels (kAlone); then
+// all threads draw the rows of the others, so that none waits for one with more. After triangle_pixels.glsl or
 // triangle_samples.glsl. FL_TRIANGLES: of a workgroup.
 shared DrawnTriangle small[FL_TRIANGLES];
 shared uint small_first[FL_TRIANGLES];  // the number of their first row, among those of all
@@ -7,6 +7,11 @@ shared uint small_asked;                // how many they are << 24, and their ro
 shared uint left[FL_TRIANGLES];         // blocks had no room for them
 shared uint left_count;
 
+#ifdef FL_DRAWS_EDGES
+#include "render/shaders/lib/edge_queue.glsl"
+bool is_drawn_alone(DrawnTriangle w) { return false; }
+void draw_alone(DrawnTriangle w) {}
+#else
 bool is_drawn_alone(DrawnTriangle w) {
   ivec2 size = w.high - w.low + 1;
   return size.x * size.y <= kAlonePx;
@@ -24,11 +29,13 @@ void draw_rows() {
     draw_row(small[at], small[at].low.y + int(i - small_first[at]));
   }
 }
+#endif
 
 // Triangles `base` and on of a level, one a thread. first_number: of the level's first triangle. slot: FL_NONE for
 // objects. is_wide: false where all are small, and one thread may draw any of them.
 void draw_triangles(BodyLevelRow level, uint slot, uint head, uint first_number, uint base, bool is_wide) {
   uint own = gl_LocalInvocationIndex;
+  is_wide = is_wide || !kAlone;
   if (is_wide) {
     if (own == 0u) {
       small_asked = 0u;

@@ -26,6 +26,7 @@ void touch(uint pixel, float z, uint key) {
 #endif
 }
 
+const bool kAlone = true;
 const int kAlonePx = 4;  // of small ones, the most pixels that a thread tests alone
 
 // One whose corners turn to the left. A small one, whose sides fit into 32 bits, is drawn row by row.

@@ -49,21 +49,22 @@ bool may_cover(Sides s, vec3 sides) {
   return min(most.x, min(most.y, most.z)) >= 0.0;
 }
 
-// first: of the pixel's samples.
+// Sample n of a pixel whose samples begin at `first`.
+void draw_sample(Sides s, vec3 sides, uint first, uint n, uint mark) {
+  vec2 place = sample_offset(n);
+  precise vec3 inside = sides + place.x * s.by_x + place.y * s.by_y;
+  if (!(min(inside.x, min(inside.y, inside.z)) >= 0.0)) return;
+  float z = exact_dot(inside, s.depth);
+  if (z > 0.0 && z < 1.0) atomicMax(edge_samples[first + n], sample_word(z, mark));
+}
 void draw_samples(Sides s, vec3 sides, uint first, uint mark) {
-  for (uint n = 0u; n < kSamples; ++n) {
-    vec2 place = sample_offset(n);
-    precise vec3 inside = sides + place.x * s.by_x + place.y * s.by_y;
-    if (!(min(inside.x, min(inside.y, inside.z)) >= 0.0)) continue;
-    float z = exact_dot(inside, s.depth);
-    if (z > 0.0 && z < 1.0) atomicMax(edge_samples[first + n], sample_word(z, mark));
-  }
+  for (uint n = 0u; n < kSamples; ++n) draw_sample(s, sides, first, n, mark);
 }
 
 // Bits of the columns first to last of 16; first is no more than last.
 uint columns_mask(int first, int last) { return (1u << (last + 1)) - (1u << first); }
 
-const int kAlonePx = 0;  // each pixel has many samples
+const bool kAlone = false;  // rows are shared out: edge_queue.glsl
 
 // One whose sides fit into 32 bits.
 struct DrawnTriangle {
@@ -104,24 +105,11 @@ Sides small_sides(DrawnTriangle w, ivec2 origin) {
   return s;
 }
 
-void draw_row(DrawnTriangle w, int y) {
-  // Most are behind what is seen, or have no edge near them.
-  bool ready = false;
-  Sides s;
-  for (int x = w.low.x; x <= w.high.x; x = (x / FL_TILE_PX + 1) * FL_TILE_PX) {
-    uint words = words_of_tile(uvec2(x, y) / uint(FL_TILE_PX));
-    uint word = edge_masks[words + uint(y) % uint(FL_TILE_PX)];
-    int tile = x / FL_TILE_PX * FL_TILE_PX;
-    uint bits = word & columns_mask(x - tile, min(w.high.x - tile, FL_TILE_PX - 1));
-    for (; bits != 0u; bits &= bits - 1u) {
-      ivec2 at = ivec2(tile + findLSB(bits), y);
-      if (is_behind(w.nearest_z, at)) continue;
-      if (!ready) s = small_sides(w, ivec2(w.low.x, y));
-      ready = true;
-      vec3 sides = small_sides_at(w, at);
-      if (may_cover(s, sides)) draw_samples(s, sides, edge_slot(words, word, uint(at.x - tile)) * kSamples, w.mark);
-    }
-  }
+bool small_may_cover(DrawnTriangle w, ivec2 pixel) {
+  vec3 by_x = kSubpixels * abs(vec3(float(w.p2.y - w.p1.y), float(w.p0.y - w.p2.y), float(w.p1.y - w.p0.y)));
+  vec3 by_y = kSubpixels * abs(vec3(float(w.p2.x - w.p1.x), float(w.p0.x - w.p2.x), float(w.p1.x - w.p0.x)));
+  vec3 most = small_sides_at(w, pixel) + 0.51 * (by_x + by_y);
+  return min(most.x, min(most.y, most.z)) >= 0.0;
 }
 
 // At the middle of a pixel sides are exact, so that they do not depend on the part that is drawn.

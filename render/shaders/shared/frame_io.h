@@ -171,7 +171,8 @@
 // Blurred gobos of beams with a focus (lib/gobo_blurs.glsl).
 #define FL_BINDING_GOBO_BLURS (123 + FL_LAMP_COUNT)
 #define FL_BINDING_GOBO_BLURS_OUT (124 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (125 + FL_LAMP_COUNT)
+#define FL_BINDING_PIXEL_BOXES (125 + FL_LAMP_COUNT)  // numbers of stage boxes, one word a pixel; FL_NONE: none
+#define FL_BINDING_COUNT (126 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -941,6 +942,7 @@ struct EdgePartRow {
 #define FL_GROUP_EDGES 128      // threads of a workgroup that has a tile
 #define FL_GROUP_PARTS 256      // and of the one that divides rows into parts
 #define FL_EDGE_PIXELS 2097152  // pixels with an edge that have room for samples at a time
+#define FL_EDGE_SLOT_BITS 26    // of their numbers; the other bits are for one of FL_GROUP_TRIANGLES triangles
 struct BodyVertexRow {  // as fixtures::BodyVertex
   float x;
   float y;

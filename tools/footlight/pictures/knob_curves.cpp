@@ -158,7 +158,7 @@ Status measure(KnobBench& bench, std::vector<KnobPoint>& points, int runs, const
   return time_points(bench, points, runs, timed_with);
 }
 
-// With the cheapest of the other knobs.
+// With the cheapest of the other knobs, and the plainest bodies.
 Status time_whole_pictures(render::vk::Device& device, const KnobCurveOptions& options,
                            const std::function<Status()>& begin_knob, KnobCurves& curves) {
   const auto cheapest = [](const std::vector<KnobPoint>& points) {
@@ -178,12 +178,14 @@ Status time_whole_pictures(render::vk::Device& device, const KnobCurveOptions& o
   Knobs whole = cheapest(curves.beams);
   whole.gobo_method = gobos.gobo_method;
   whole.gobo_taps = gobos.gobo_taps;
+  whole.body_error_px = curves.bodies.back().knobs.body_error_px;
   curves.left_out.push_back({whole, 0, 0});
   for (Knobs knobs : render::left_out_knobs()) {
     knobs.tile_error = whole.tile_error;
     knobs.nodes = whole.nodes;
     knobs.gobo_method = whole.gobo_method;
     knobs.gobo_taps = whole.gobo_taps;
+    knobs.body_error_px = whole.body_error_px;
     curves.left_out.push_back({knobs, 0, 0});
   }
   for (const KnobPoint& point : curves.left_out) {

@@ -93,20 +93,21 @@ Status Preview::begin_frame(const PixelRect& where) {
   made_begun_ns_ = clock_.now_ns();
   const TimeNs until_ns = player_ ? player_->now_ns() : 0;
   const NoSignals no_signals;
-  making_ = std::async(std::launch::async,
-                       [this, scene = making_scene_, settings = table_settings(where), until_ns,
-                        logs = player_ != nullptr]() -> Result<std::unique_ptr<Made>> {
-                         auto made = std::make_unique<Made>();
-                         FL_ASSIGN(made->frame, render::Frame::create(*device_, scene->rig, scene->compiled, settings,
-                                                                  render::passes_of(options_.style)));
-                         if (!logs) return made;
-                         made->player = make_player(scene, *log_);
-                         const auto step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool exposes) {
-                           made->frame->step(levels, dt_ns, exposes);
-                         };
-                         FL_TRY(made->player->show_soon(until_ns, {*device_, *made->frame, false, step, [] {}}));
-                         return made;
-                       });
+  making_ =
+      std::async(std::launch::async,
+                 [this, scene = making_scene_, settings = table_settings(where), first = frame_settings(where, false),
+                  until_ns, logs = player_ != nullptr]() -> Result<std::unique_ptr<Made>> {
+                   auto made = std::make_unique<Made>();
+                   FL_ASSIGN(made->frame, render::Frame::create(*device_, scene->rig, scene->compiled, settings,
+                                                                render::passes_of(options_.style), &first));
+                   if (!logs) return made;
+                   made->player = make_player(scene, *log_);
+                   const auto step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool exposes) {
+                     made->frame->step(levels, dt_ns, exposes);
+                   };
+                   FL_TRY(made->player->show_soon(until_ns, {*device_, *made->frame, false, step, [] {}}));
+                   return made;
+                 });
   return {};
 }
 

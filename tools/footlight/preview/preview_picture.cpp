@@ -115,18 +115,34 @@ Result<render::KnobCurves> Preview::read_curves() {
   });
 }
 
+render::FrameSettings Preview::table_settings(const PixelRect& where) const {
+  render::FrameSettings settings = settings_with(render::with_everything(knobs_), where);
+  settings.probes = options_.probes;
+  return settings;
+}
+
+// For an error, the knobs that keep it. For a time, those that fit it after the time of the last picture; without one,
+// those nearest the default ones, or on a CPU, which may take seconds for these, the cheapest.
+std::size_t Preview::first_place(const render::KnobCurves& curves) const {
+  const render::QualityRequest& request = facts_.quality;
+  if (request.error > 0) return render::choose(ladder_, request);
+  const fixtures::Needs& needs = framed_->compiled.needs;
+  if (frame_ && gpu_ms_ > 0) {
+    const auto drawn = render::predicted(curves, needs, render::knobs_of(frame_->settings()));
+    const double pixels = controls_.divisor * controls_.divisor;
+    if (drawn) return render::choose(ladder_, request, pixels * gpu_ms_ / drawn->ms);
+  }
+  if (device_->is_software()) return ladder_.size() - 1;
+  const auto usual = render::predicted(curves, needs, {});
+  return usual ? render::nearest(ladder_, usual->ms) : 0;
+}
+
 // The knobs that follow from the curves and what is asked for.
 void Preview::take_curves(const render::KnobCurves& curves) {
   const render::QualityRequest& request = facts_.quality;
   ladder_ = render::ladder_of(curves, framed_->compiled.needs, request);
   if (ladder_.empty()) return;
-  // For a time, the first picture has the knobs nearest the default ones; how long it takes is then known. A CPU begins
-  // with the cheapest, since the default ones may take it seconds.
-  const auto usual = render::predicted(curves, framed_->compiled.needs, {});
-  const std::size_t start = request.error > 0        ? render::choose(ladder_, request)
-                            : device_->is_software() ? ladder_.size() - 1
-                            : usual                  ? render::nearest(ladder_, usual->ms)
-                                                     : 0;
+  const std::size_t start = first_place(curves);
   if (request.ms > 0) keeper_.emplace(ladder_, request.ms, start);
   follow_knobs(ladder_[start]);
 }

@@ -36,7 +36,7 @@ void Preview::follow_report() {
     report_.ladder = ladder_.empty() ? render::ladder_of(*curves_, needs) : ladder_;
     render::Knobs drawn = render::knobs_of(frame_->settings());
     drawn.divisor = controls_.divisor;
-    report_.present = render::predicted(*curves_, needs, drawn);
+    report_.present = ladder_.empty() ? render::predicted(*curves_, needs, drawn) : facts_.chosen;
   }
   report_.why_not_measure = outputs_ && outputs_view_.any_on() ? kArmedUnmeasured : "";
   if (!std::exchange(report_.measure, false) || curves_ || !report_.why_not_measure.empty()) return;

@@ -301,6 +301,7 @@ Status Preview::read_picture() {
   double gpu_ms = 0;
   for (const auto& pass : passes) gpu_ms += pass.gpu_ms;
   if (passes.empty()) gpu_ms = picture_ms;  // a device without time stamps
+  gpu_ms_ = gpu_ms;
   if (keeper_ && keeper_->take(drawn_ns_, gpu_ms)) follow_knobs(keeper_->point());
   if (error_ && error_drawn_) {
     FL_TRY(error_->take(drawn_ns_));
@@ -410,7 +411,7 @@ Status Preview::update_error() {
 }
 
 // The current size, nodes and haze.
-render::FrameSettings Preview::frame_settings(const PixelRect& where, bool rough) const {
+render::FrameSettings Preview::settings_with(const render::Knobs& knobs, const PixelRect& where) const {
   render::FrameSettings settings;
   settings.width = std::max(where.width / controls_.divisor, 1);
   settings.height = std::max(where.height / controls_.divisor, 1);
@@ -418,26 +419,24 @@ render::FrameSettings Preview::frame_settings(const PixelRect& where, bool rough
   settings.shadows = options_.display.shadows;
   settings.shadow_map_px = options_.display.shadow_map_px;
   settings.penumbra = options_.display.penumbra;
-  // A CPU draws the demo in two thirds of the time with maps.
+  // A CPU draws the demo in three quarters of the time with maps.
   const bool suited = settings.shadow_map_px == render::kShadowsSuited && settings.penumbra == 1;
   if (suited && device_->is_software()) settings.shadow_map_px = render::kMapUsualPx;
   settings.bounce = options_.bounce;
   settings.probes = options_.probes && controls_.probes;
-  settings = render::with_knobs(settings, knobs_);
+  settings = render::with_knobs(settings, knobs);
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
   settings.probe_texels = kProbeTexels;
   settings.f_stop = lens_.f_stop;
   settings.focus_m = lens_.focus_m;
   take_display(controls_, settings);
   settings.haze = controls_.haze;
-  settings = render::settings_of(options_.style, settings);
-  return rough ? render::rough_settings(settings, framed_->compiled.beams_max) : settings;
+  return render::settings_of(options_.style, settings);
 }
 
-render::FrameSettings Preview::table_settings(const PixelRect& where) const {
-  render::FrameSettings settings = frame_settings(where, false);
-  settings.probes = options_.probes;
-  return settings;
+render::FrameSettings Preview::frame_settings(const PixelRect& where, bool rough) const {
+  const render::FrameSettings settings = settings_with(knobs_, where);
+  return rough ? render::rough_settings(settings, framed_->compiled.beams_max) : settings;
 }
 
 // A frame of these settings. The states of the fixtures move from the old frame to the new one.

@@ -110,6 +110,7 @@ class Preview {
   Status make_ladder();
   Result<render::KnobCurves> read_curves();
   void take_curves(const render::KnobCurves& curves);
+  [[nodiscard]] std::size_t first_place(const render::KnobCurves& curves) const;  // in the ladder
   void mark_start(const char* ended);
   Result<bool> wait_for(std::future<Status>& work, const StopSignal& signal, const char* what);
   Status show_progress(const char* what);
@@ -120,6 +121,8 @@ class Preview {
   Status take_picture();
   Status turn_stage(const PixelRect& where);
   [[nodiscard]] bool fits_controls(const PixelRect& where);
+  // The settings of the window and its controls, with these knobs.
+  [[nodiscard]] render::FrameSettings settings_with(const render::Knobs& knobs, const PixelRect& where) const;
   [[nodiscard]] render::FrameSettings frame_settings(const PixelRect& where, bool rough) const;
   // Those that a new frame has tables for.
   [[nodiscard]] render::FrameSettings table_settings(const PixelRect& where) const;
@@ -410,6 +413,7 @@ class Preview {
   bool error_drawn_ = false;                  // the current picture has its samples
   std::vector<render::KnobPoint> ladder_;     // for --error and --ms; else empty
   std::optional<render::TimeKeeper> keeper_;  // for --ms
+  double gpu_ms_ = 0;                         // of the last picture
   std::optional<render::KnobCurves> curves_;  // of this machine, once they were needed
   std::future<Result<render::KnobCurves>> reading_curves_;  // valid: they are measured or read
   std::atomic<bool> stops_curves_ = false;

@@ -42,7 +42,8 @@ Result<ChosenKnobs> choose_for(render::vk::Device& device, const Scene& scene, c
     chosen.predicted.ms *= own_scale;
     FL_ASSIGN(chosen.ms, ms_of(chosen.predicted.knobs));
   }
-  FL_ASSIGN(chosen.error, light.error_of(chosen.predicted.knobs));
+  // Of beams, as the predicted one: what is left out has none.
+  FL_ASSIGN(chosen.error, light.error_of(render::with_everything(chosen.predicted.knobs)));
   if (!(request.error > 0)) return chosen;
   if (const auto fixed = render::fixed_knobs(request.error)) {
     chosen.fixed = *fixed;

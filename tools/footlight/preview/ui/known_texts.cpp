@@ -130,7 +130,7 @@ namespace {
     tr_mark("panes"),
     tr_mark("displays"),
     tr_mark("light and screen"),
-    tr_mark("which body a pixel shows"),
+    tr_mark("what a pixel shows"),
     tr_mark("beams by tile"),
     tr_mark("lasers by tile"),
     tr_mark("shadows by tile"),
