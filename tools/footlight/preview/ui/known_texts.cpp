@@ -146,6 +146,7 @@ namespace {
     tr_mark("beams taken together for 64 x 64 pixels"),
     tr_mark("beams taken together for a tile that shows one plane, and what of a shadow is visible there"),
     tr_mark("displays, and their light in the air and on surfaces"),
+    tr_mark("which box each pixel shows"),
     tr_mark("smooth edges of solid things"),
     tr_mark("beams taken together for 32 x 32 pixels"),
     tr_mark("beams of any kind"),
