@@ -36,7 +36,7 @@ void main() {
     }
     barrier();
     // Words without heads take time on lavapipe: it runs the body of a loop once if the loop has no round.
-    uint words = (min(params.head_count - from, kThreads) + 31u) / 32u;
+    uint words = (min(FL_NOT_IN_CODE(params.head_count) - from, kThreads) + 31u) / 32u;
     uint any_bits = 0u;
     for (uint w = 0u; w < words; ++w) any_bits |= near_bits[w];
     // Here and not beside each lens, since lavapipe runs both sides of a branch.
