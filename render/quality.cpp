@@ -175,15 +175,6 @@ double body_ms(const KnobCurves& curves, const fixtures::Needs& needs, double er
   return needs.fixtures && std::isfinite(own_ms) ? own_ms - least_ms : 0;
 }
 
-// `knobs` that leave out what `leaves` does.
-Knobs without(Knobs knobs, const Knobs& leaves) {
-  knobs.smooth_edges = leaves.smooth_edges;
-  knobs.bounce = leaves.bounce;
-  knobs.shadows = leaves.shadows;
-  knobs.divisor = leaves.divisor;
-  return knobs;
-}
-
 // Every combination of the groups that matter for such a rig, with these bodies.
 std::vector<KnobPoint> combinations(const KnobCurves& curves, const fixtures::Needs& needs, double body_error_px) {
   std::vector<KnobPoint> all = curves.beams;
@@ -201,6 +192,14 @@ std::vector<KnobPoint> combinations(const KnobCurves& curves, const fixtures::Ne
 }
 
 }  // namespace
+
+Knobs without(Knobs knobs, const Knobs& leaves) {
+  knobs.smooth_edges = leaves.smooth_edges;
+  knobs.bounce = leaves.bounce;
+  knobs.shadows = leaves.shadows;
+  knobs.divisor = leaves.divisor;
+  return knobs;
+}
 
 Knobs with_everything(Knobs knobs) { return without(knobs, {}); }
 

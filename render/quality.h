@@ -76,7 +76,9 @@ struct KnobCurves {
 // the order of what is lost (docs/decisions/0198-what-a-slow-machine-leaves-out.md), but edges before bounce, which
 // takes a tenth of their time on a CPU.
 [[nodiscard]] std::span<const Knobs> left_out_knobs();
-// The same knobs, with nothing left out and every pixel.
+// The same knobs, of which just that is left out, and the resolution lowered, that `leaves` says.
+[[nodiscard]] Knobs without(Knobs knobs, const Knobs& leaves);
+// With nothing left out and every pixel.
 [[nodiscard]] Knobs with_everything(Knobs knobs);
 
 // Every setting that is worth its time for such a rig: from the least error to the least time, each at least a tenth

@@ -12,6 +12,7 @@
 #include "tests/support/headless_vulkan.h"
 #include "tests/support/must.h"
 #include "tests/tools/footlight/display.h"
+#include "tests/tools/footlight/one_par.h"
 #include "tests/tools/footlight/run_footlight.h"
 #include "tools/footlight/pictures/knob_curves.h"
 
@@ -20,31 +21,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kPatience(120);  // a picture of lavapipe takes seconds on a busy machine
-
-constexpr const char* kRig = R"([rig]
-name = "one lamp"
-ambient_lx = 5
-
-[haze]
-scattering_per_m = 0.02
-
-[[box]]
-name = "floor"
-min = [-5, -5, -0.2]
-max = [5, 5, 0]
-
-[[fixture]]
-name = "lamp"
-type = "generic/par"
-universe = 1
-address = 1
-position = [0, 0, 4]
-
-[[camera]]
-name = "front"
-position = [0, -8, 2]
-target = [0, 0, 2]
-)";
 
 // A machine on which everything takes so little time that all fits.
 render::KnobCurves quick_curves() {
@@ -75,7 +51,7 @@ TEST_CASE("a window that begins without shadows and reflected light on a CPU add
     must(tools::write_knob_curves(tools::knob_curves_path(folder.file("footlight"), facts), facts,
                                   tools::curves_program(), quick_curves()));
   }
-  std::ofstream(folder.file("rig.toml")) << kRig;
+  std::ofstream(folder.file("rig.toml")) << kOnePar << kFrontCamera;
   const Display display(320, 180);
   REQUIRE(!display.name().empty());
   Footlight window({"preview", folder.file("rig.toml"), "--ms", "60000", "--size", "320x180", "--json"},

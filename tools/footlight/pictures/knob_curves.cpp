@@ -180,13 +180,8 @@ Status time_whole_pictures(render::vk::Device& device, const KnobCurveOptions& o
   whole.gobo_taps = gobos.gobo_taps;
   whole.body_error_px = curves.bodies.back().knobs.body_error_px;
   curves.left_out.push_back({whole, 0, 0});
-  for (Knobs knobs : render::left_out_knobs()) {
-    knobs.tile_error = whole.tile_error;
-    knobs.nodes = whole.nodes;
-    knobs.gobo_method = whole.gobo_method;
-    knobs.gobo_taps = whole.gobo_taps;
-    knobs.body_error_px = whole.body_error_px;
-    curves.left_out.push_back({knobs, 0, 0});
+  for (const Knobs& leaves : render::left_out_knobs()) {
+    curves.left_out.push_back({render::without(whole, leaves), 0, 0});
   }
   for (const KnobPoint& point : curves.left_out) {
     FL_TRY(begin_knob());

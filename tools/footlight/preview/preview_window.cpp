@@ -419,9 +419,8 @@ render::FrameSettings Preview::settings_with(const render::Knobs& knobs, const P
   settings.shadows = options_.display.shadows;
   settings.shadow_map_px = options_.display.shadow_map_px;
   settings.penumbra = options_.display.penumbra;
-  // A CPU draws the demo in three quarters of the time with maps.
   const bool suited = settings.shadow_map_px == render::kShadowsSuited && settings.penumbra == 1;
-  if (suited && device_->is_software()) settings.shadow_map_px = render::kMapUsualPx;
+  if (suited) settings.shadow_map_px = render::window_map_px(*device_);
   settings.bounce = options_.bounce;
   settings.probes = options_.probes && controls_.probes;
   settings = render::with_knobs(settings, knobs);

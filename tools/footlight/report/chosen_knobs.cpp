@@ -14,7 +14,7 @@ Result<ChosenKnobs> choose_for(render::vk::Device& device, const Scene& scene, c
   FrameSettings all = settings;
   all.edge_samples = render::suited_edge_samples(device);
   all.bounce = all.probes = true;
-  if (device.is_software()) all.shadow_map_px = render::kMapUsualPx;  // as the preview
+  all.shadow_map_px = render::window_map_px(device);
   FL_ASSIGN(KnobBench whole, KnobBench::make(device, scene, all));
   settings.bodies = false;
   FL_ASSIGN(KnobBench light, KnobBench::make(device, scene, settings));
