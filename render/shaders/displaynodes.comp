@@ -20,7 +20,7 @@
 #define FL_DISPLAY_RECORDS_ACCESS
 #include "render/shaders/lib/display_records.glsl"
 
-layout(local_size_x = 256) in;
+layout(local_size_x = 128) in;
 layout(constant_id = FL_SPEC_VIEW) const uint kView = FL_VIEW_PICTURE;
 layout(push_constant) uniform Push { uint level; } push;
 
@@ -30,7 +30,7 @@ const uint kChecks = 5u;
 const vec2 kCheckPlaces[5] =
     vec2[5](vec2(0.0), vec2(-0.99, -0.99), vec2(0.99, -0.99), vec2(-0.99, 0.99), vec2(0.99, 0.99));
 const uint kPlaces = kNodes + kChecks;  // FL_RAYS
-const uint kLanes = 12u;  // of 252 threads
+const uint kLanes = 6u;  // of 126 threads
 const float kGrazing = 1e-4;
 
 shared vec3 lane_air[kPlaces * kLanes];

@@ -178,19 +178,27 @@ void main() {
         gather_solids(base, all, row, beam, fixture);
         uint count = solid_count;
         found_all += count;
-        for (uint s = 0u; s < count; ++s) {
-          vec4 rect = solids[s].rect;
-          if (any(greaterThan(rect.xy, block_end)) || any(lessThan(rect.zw, block_rho))) continue;
-          MapSolid solid = solids[s];
-          [[unroll]] for (int t = 0; t < 16; ++t) {
-            vec2 rho = block_rho + kTexel * vec2(float(t & 3), float(t >> 2));
-            float lean_m;
-            vec2 part = inside_m(solid, beam, rho, lean_m);
-            bool hits = part.y > max(part.x, 1e-4) && part.x < part.y;
-            met[t] = hits ? min(met[t], part.x) : met[t];
-            // A plate must not hide light from its own face, nor from what is as far behind it as it may be smaller.
-            float behind_m = max(part.y, part.x + 1.5 * lean_m + 2.0 * solid.slack_m);
-            passed[t] = hits ? min(passed[t], behind_m) : passed[t];
+        // Each thread goes on to the next body of its own block: most are in few blocks.
+        for (uint word = 0u; word < count; word += 32u) {
+          uint bits = 0u;
+          for (uint s = word; s < min(word + 32u, count); ++s) {
+            vec4 rect = solids[s].rect;
+            bool reaches = !any(greaterThan(rect.xy, block_end)) && !any(lessThan(rect.zw, block_rho));
+            bits |= reaches ? 1u << (s - word) : 0u;
+          }
+          while (bits != 0u) {
+            MapSolid solid = solids[word + uint(findLSB(bits))];
+            bits &= bits - 1u;
+            [[unroll]] for (int t = 0; t < 16; ++t) {
+              vec2 rho = block_rho + kTexel * vec2(float(t & 3), float(t >> 2));
+              float lean_m;
+              vec2 part = inside_m(solid, beam, rho, lean_m);
+              bool hits = part.y > max(part.x, 1e-4) && part.x < part.y;
+              met[t] = hits ? min(met[t], part.x) : met[t];
+              // A plate must not hide light from its own face, nor from what is as far behind it as it may be smaller.
+              float behind_m = max(part.y, part.x + 1.5 * lean_m + 2.0 * solid.slack_m);
+              passed[t] = hits ? min(passed[t], behind_m) : passed[t];
+            }
           }
         }
       }

@@ -14,10 +14,11 @@
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/lib/thread_number.glsl"
+#define FL_PIXEL_THREADS FL_GROUP_RECORDS
 #include "render/shaders/lib/tile_pixels.glsl"
 #include "render/shaders/lib/tile_record.glsl"
 
-layout(local_size_x = FL_GROUP_TILE) in;
+layout(local_size_x = FL_GROUP_RECORDS) in;
 layout(set = 0, binding = FL_BINDING_COARSE, std430) readonly buffer CoarseBuffer { CoarseRow coarse[]; };
 layout(set = 0, binding = FL_BINDING_RIMS, std430) readonly buffer RimsBuffer { RimRow rims[]; };
 layout(set = 0, binding = FL_BINDING_CUTS, std430) readonly buffer CutsBuffer { CutRow cuts[]; };

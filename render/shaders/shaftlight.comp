@@ -17,7 +17,7 @@
 #include "render/shaders/lib/shaft_solids.glsl"
 #include "render/shaders/lib/shaft_view.glsl"
 
-layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
+layout(local_size_x = FL_TILE_PX, local_size_y = FL_SHAFT_ROWS) in;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_SHADOWS) const bool kShadows = false;
 layout(constant_id = FL_SPEC_AIR) const bool kAir = true;
@@ -292,14 +292,15 @@ vec3 light_of_glass(PaneGroupRow row, View view, vec3 eye, vec3 way, float end_m
 void find_sides() {
   uint side = gl_LocalInvocationIndex;
   if (side >= 4u) return;
-  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
-  tile_sides[side] = side_of(low, low + float(FL_TILE_PX), side);
+  const uvec2 size = uvec2(FL_TILE_PX, FL_SHAFT_ROWS);
+  vec2 low = vec2(gl_WorkGroupID.xy * size);
+  tile_sides[side] = side_of(low, low + vec2(size), side);
 }
 // Sets tile_groups.
 void find_groups() {
   if (gl_LocalInvocationIndex < kWords) tile_groups[gl_LocalInvocationIndex] = 0u;
   barrier();
-  for (uint group = gl_LocalInvocationIndex; group < uint(groups.length()); group += uint(FL_TILE_PX * FL_TILE_PX)) {
+  for (uint group = gl_LocalInvocationIndex; group < uint(groups.length()); group += uint(FL_TILE_PX * FL_SHAFT_ROWS)) {
     if (group_meets(groups[group], tile_sides)) atomicOr(tile_groups[group / 32u], 1u << (group % 32u));
   }
   barrier();

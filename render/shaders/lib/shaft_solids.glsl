@@ -51,7 +51,7 @@ bool shadow_meets_tile(ShaftSolid solid, ShaftSlabs slabs, vec3 sun, vec3 low, v
 // Finds them; all threads of the tile call it, with tile_sides and tile_groups set. end: what the pixel shows, or how
 // far light may be seen, from the camera. There are tile_solid_count, and lists only if these are kSolidsMax or less.
 void find_solids(vec3 sun, vec3 end) {
-  const uint kThreads = uint(FL_TILE_PX * FL_TILE_PX);
+  const uint kThreads = uint(FL_TILE_PX * FL_SHAFT_ROWS);
   uint thread = gl_LocalInvocationIndex;
   if (thread < 3u) {
     tile_low[thread] = ordered(0.0);

@@ -1,13 +1,16 @@
-// The pixels of a workgroup of FL_GROUP_TILE threads with FL_FINE_PX x FL_FINE_PX of them. A thread has FL_ROWS, one
+// The pixels of a workgroup of FL_PIXEL_THREADS threads with FL_FINE_PX x FL_FINE_PX of them. A thread has FL_ROWS, one
 // below the other, so that a record is read once for all of them; neighbours in a subgroup are neighbours in the
 // picture. After thread_number.glsl.
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
-#define FL_ROWS (1024 / FL_GROUP_TILE)
+#ifndef FL_PIXEL_THREADS
+#define FL_PIXEL_THREADS FL_GROUP_TILE
+#endif
+#define FL_ROWS (FL_FINE_PX * FL_FINE_PX / FL_PIXEL_THREADS)
 
 // This thread's first pixel, from the group's corner; the others are below it.
 uvec2 first_pixel() {
   uint number = thread_number();
-  const uint kPart = uint(FL_GROUP_TILE / 4);  // threads of a quarter
+  const uint kPart = uint(FL_PIXEL_THREADS / 4);  // threads of a quarter
   uint quarter = number / kPart;
   return uvec2((quarter & 1u) * 16u + (number & 15u), (quarter >> 1) * 16u + (number % kPart / 16u) * uint(FL_ROWS));
 }

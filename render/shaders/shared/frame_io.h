@@ -261,6 +261,7 @@
 #define FL_SUPERTILE_PX 64  // beams are listed per supertile, one bit a live beam
 #define FL_GROUP_MASK 64    // beams a workgroup of the tile pass tests
 #define FL_BLOCK_SUPERTILES 4  // a workgroup of the tile pass tests them against so many supertiles a side
+#define FL_GROUP_RECORDS 128  // threads of a workgroup that draws records
 #define FL_GROUP_TILE 256   // threads of a workgroup of the coarse and the fine pass
 #define FL_SURFACE_PX 32    // a workgroup of the surface pass has so many pixels a side
 #define FL_FEW_BEAMS 12      // in a supertile: so few are computed pixel by pixel, which takes less time
@@ -288,6 +289,7 @@
 #define FL_GLARE_WEIGHTS 25  // 1 + levels that have a weight; the first row of the image has them, behind what stays
 #define FL_GROUP_LASERS 64  // rows a workgroup
 #define FL_GROUP_MIRRORS 64  // mirrors that a workgroup tests at once
+#define FL_SHAFT_ROWS 8     // pixels down of a workgroup of the pass of shafts, FL_TILE_PX across
 #define FL_GROUP_SHAFTS 64  // words of occluders a workgroup
 #define FL_PANES_MAX 256  // of a rig; a multiple of 32
 #define FL_GROUP_PANE_FANS 64       // groups of panes a workgroup
