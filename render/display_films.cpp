@@ -7,7 +7,7 @@
 
 namespace footlight::render {
 
-static_assert(sizeof(glm::vec3) == 3 * sizeof(float), "a pixel of an image is one of the lowest level of cells");
+static_assert(sizeof(glm::vec3) == kPixelBytes, "a pixel of an image is one of the display");
 
 Status DisplayFilms::create(vk::Device& device, const MemoryShape& shape, const RigTables& rig) {
   const auto& displays = shape.rig.displays;
@@ -18,10 +18,10 @@ Status DisplayFilms::create(vk::Device& device, const MemoryShape& shape, const 
   for (std::size_t i = 0; i < displays.size(); ++i) {
     if (!fixtures::shows_film(displays[i])) continue;
     if (films_.empty()) tables = display_tables(shape.rig, shape.compiled);
-    const auto first = VkDeviceSize{tables.levels[tables.rows[i].level_first].first} * sizeof(std::uint32_t);
+    const VkDeviceSize first = VkDeviceSize{tables.rows[i].pixel_first} * kPixelBytes;
     films_.push_back({i, displays[i].columns, displays[i].rows, bytes, first, nullptr});
     bytes += static_cast<VkDeviceSize>(displays[i].columns) * static_cast<VkDeviceSize>(displays[i].rows) *
-             sizeof(glm::vec3);
+             kPixelBytes;
   }
   if (bytes > 0) {
     FL_ASSIGN(staged_, vk::Buffer::host_visible(device, bytes, 0));
@@ -41,13 +41,13 @@ void DisplayFilms::show(std::size_t display, const std::shared_ptr<const fixture
 
 void DisplayFilms::record(VkCommandBuffer commands, RigTables& rig, std::span<const std::uint8_t> levels) {
   projections_.record(commands, rig, levels);
-  if (rig.display_cells.handle == VK_NULL_HANDLE) return;
+  if (rig.display_pixels.handle == VK_NULL_HANDLE) return;
   for (Film& film : films_) {
     if (!film.pixels) continue;
-    const VkDeviceSize size = film.pixels->texels.size() * sizeof(glm::vec3);
+    const VkDeviceSize size = film.pixels->texels.size() * kPixelBytes;
     std::memcpy(static_cast<std::byte*>(staged_.mapped) + film.staged, film.pixels->texels.data(), size);
-    const VkBufferCopy region{film.staged, film.cells, size};
-    vkCmdCopyBuffer(commands, staged_.handle, rig.display_cells.handle, 1, &region);
+    const VkBufferCopy region{film.staged, film.pixels_at, size};
+    vkCmdCopyBuffer(commands, staged_.handle, rig.display_pixels.handle, 1, &region);
     film.pixels.reset();
     rig.display_films_new = true;
   }

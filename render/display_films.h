@@ -19,8 +19,8 @@ class DisplayFilms {
   // columns x rows pixels of what fixtures::shown_at() is of the rig, from the next record() on: share of light, linear
   // Rec. 709. Ignored if that shows no film.
   void show(std::size_t display, const std::shared_ptr<const fixtures::PaneImage>& pixels);
-  // Copies what is new to the cells of the displays, and has the pass of displays compute the larger ones. The commands
-  // of the record() before must be finished.
+  // Copies what is new to the pixels of the displays, and has the pass of displays compute the cells above. The
+  // commands of the record() before must be finished.
   // levels: universes x 512 bytes; empty: all are 0.
   void record(VkCommandBuffer commands, RigTables& rig, std::span<const std::uint8_t> levels);
 
@@ -30,7 +30,7 @@ class DisplayFilms {
     int columns = 0;
     int rows = 0;
     VkDeviceSize staged = 0;                            // bytes, in staged_
-    VkDeviceSize cells = 0;                             // bytes, in RigTables::display_cells
+    VkDeviceSize pixels_at = 0;                         // bytes, in the table of pixels
     std::shared_ptr<const fixtures::PaneImage> pixels;  // new ones; else null
   };
   std::vector<Film> films_;

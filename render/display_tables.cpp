@@ -1,7 +1,6 @@
 #include "render/display_tables.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -10,7 +9,7 @@
 namespace footlight::render {
 namespace {
 
-constexpr std::uint32_t kPixelWords = 3, kCellWords = 6;
+static_assert(sizeof(glm::vec3) == kPixelBytes);
 
 // Sizes of the levels from the pixels up, and the axes of all halvings (DisplayRow::axes).
 struct CellShape {
@@ -19,7 +18,7 @@ struct CellShape {
   std::uint32_t part_axes = 0;
 };
 
-CellShape cell_shape_of(const fixtures::Display& display, std::uint64_t& words) {
+CellShape cell_shape_of(const fixtures::Display& display, std::uint64_t& cells) {
   CellShape shape;
   auto columns = static_cast<std::uint32_t>(display.columns), rows = static_cast<std::uint32_t>(display.rows);
   double width_m = display.width_m / columns, height_m = display.height_m / rows;
@@ -30,8 +29,9 @@ CellShape cell_shape_of(const fixtures::Display& display, std::uint64_t& words) 
     if (down) shape.part_axes |= 1u << bit;
   }
   for (std::uint32_t level = 0;; ++level) {
-    shape.levels.push_back({static_cast<std::uint32_t>(words), columns, rows, 0});
-    words += std::uint64_t{level == 0 ? kPixelWords : kCellWords} * columns * rows;
+    const bool is_stored = level >= FL_DISPLAY_STORED;
+    shape.levels.push_back({is_stored ? static_cast<std::uint32_t>(cells) : 0, columns, rows, 0});
+    if (is_stored) cells += std::uint64_t{columns} * rows;
     if (columns == 1 && rows == 1) return shape;
     const bool down = columns == 1 || (rows > 1 && height_m < width_m);
     if (down) shape.axes |= 1u << level;
@@ -71,22 +71,29 @@ DisplayRow display_row(const fixtures::Display& display, const fixtures::Compile
   return row;
 }
 
-// Words of all cells; only the pixels of images and of even displays are filled.
-std::vector<std::uint32_t> first_cells(const fixtures::Rig& rig, const DisplayTables& tables) {
-  std::vector<std::uint32_t> cells(tables.words, 0);
+// Of all displays; only those of images and of even displays are not black.
+std::vector<glm::vec3> first_pixels(const fixtures::Rig& rig, const DisplayTables& tables) {
+  std::vector<glm::vec3> pixels(tables.pixels, glm::vec3(0));
   for (std::size_t i = 0; i < rig.displays.size(); ++i) {
     const fixtures::Display& display = rig.displays[i];
     if (display.map || fixtures::shows_film(display)) continue;
-    const std::uint64_t first = tables.levels[tables.rows[i].level_first].first;
-    const std::uint64_t pixels = std::uint64_t{tables.rows[i].columns} * tables.rows[i].rows;
-    for (std::uint64_t pixel = 0; pixel < pixels; ++pixel) {
-      const glm::vec3 light = display.image ? display.image->texels[pixel] : glm::vec3(1);
-      for (int c = 0; c < 3; ++c) {
-        cells[first + kPixelWords * pixel + static_cast<std::uint64_t>(c)] = std::bit_cast<std::uint32_t>(light[c]);
-      }
+    const auto first = pixels.begin() + static_cast<std::ptrdiff_t>(tables.rows[i].pixel_first);
+    const auto count = static_cast<std::ptrdiff_t>(tables.rows[i].columns) * tables.rows[i].rows;
+    if (display.image) {
+      std::copy_n(display.image->texels.begin(), count, first);
+    } else {
+      std::fill_n(first, count, glm::vec3(1));
     }
   }
-  return cells;
+  return pixels;
+}
+
+Result<vk::Buffer> empty_cells(vk::Device& device, std::uint64_t cells) {
+  FL_ASSIGN(vk::Buffer buffer, vk::Buffer::device_local(device, cells * kCellBytes,
+                                                        VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+  FL_TRY(device.run_once(
+      [&](VkCommandBuffer commands) { vkCmdFillBuffer(commands, buffer.handle, 0, VK_WHOLE_SIZE, 0); }));
+  return buffer;
 }
 
 }  // namespace
@@ -95,12 +102,14 @@ DisplayTables display_tables(const fixtures::Rig& rig, const fixtures::CompiledR
   DisplayTables tables;
   std::size_t levels_most = 0;
   for (const fixtures::Display& display : rig.displays) {
-    const CellShape shape = cell_shape_of(display, tables.words);
+    const CellShape shape = cell_shape_of(display, tables.cells);
     DisplayRow row = display_row(display, compiled);
     row.levels = static_cast<std::uint32_t>(shape.levels.size());
     row.level_first = static_cast<std::uint32_t>(tables.levels.size());
     row.axes = shape.axes;
     row.part_axes = shape.part_axes;
+    row.pixel_first = static_cast<std::uint32_t>(tables.pixels);
+    tables.pixels += std::uint64_t{row.columns} * row.rows;
     tables.rows.push_back(row);
     tables.levels.insert(tables.levels.end(), shape.levels.begin(), shape.levels.end());
     levels_most = std::max(levels_most, shape.levels.size());
@@ -114,7 +123,8 @@ DisplayTables display_tables(const fixtures::Rig& rig, const fixtures::CompiledR
         const DisplayJobs* const own = row.slot_first != FL_NONE               ? &tables.live
                                        : fixtures::shows_film(rig.displays[i]) ? &tables.film
                                                                                : &tables.still;
-        if (own != jobs || level >= row.levels || (level == 0 && !live)) continue;
+        const bool is_made = level == 0 ? live : level >= FL_DISPLAY_STORED;
+        if (own != jobs || level >= row.levels || !is_made) continue;
         const DisplayLevelRow& size = tables.levels[row.level_first + level];
         for (std::uint32_t cell = 0; cell < size.columns * size.rows; cell += FL_GROUP_DISPLAY) {
           tables.jobs.push_back({i, level, cell, 0});
@@ -133,14 +143,16 @@ std::uint64_t display_bytes(std::uint32_t binding, const MemoryShape& shape) {
   switch (binding) {
     case FL_BINDING_DISPLAYS: return tables.rows.size() * sizeof(DisplayRow);
     case FL_BINDING_DISPLAY_LEVELS: return tables.levels.size() * sizeof(DisplayLevelRow);
-    case FL_BINDING_DISPLAY_CELLS: return tables.words * sizeof(std::uint32_t);
+    case FL_BINDING_DISPLAY_PIXELS: return tables.pixels * kPixelBytes;
+    case FL_BINDING_DISPLAY_CELLS: return tables.cells * kCellBytes;
     default: return tables.jobs.size() * sizeof(DisplayJobRow);
   }
 }
 
 Status make_display_tables(vk::Device& device, const MemoryShape& shape, RigTables& r) {
   const DisplayTables tables = display_tables(shape.rig, shape.compiled);
-  if (const std::uint64_t bytes = tables.words * sizeof(std::uint32_t); bytes > device.limits().maxStorageBufferRange) {
+  const std::uint64_t bytes = std::max(tables.pixels * kPixelBytes, tables.cells * kCellBytes);
+  if (bytes > device.limits().maxStorageBufferRange) {
     return fail(
         ErrorCode::kUnsupported,
         "{}: maxStorageBufferRange is {}, needed: {} bytes for the pixels of displays; use fewer columns or rows",
@@ -163,7 +175,8 @@ Status make_display_tables(vk::Device& device, const MemoryShape& shape, RigTabl
   }
   FL_ASSIGN(r.displays, vk::Buffer::table(device, tables.rows));
   FL_ASSIGN(r.display_levels, vk::Buffer::table(device, tables.levels));
-  FL_ASSIGN(r.display_cells, vk::Buffer::table(device, first_cells(shape.rig, tables)));
+  FL_ASSIGN(r.display_pixels, vk::Buffer::table(device, first_pixels(shape.rig, tables)));
+  FL_ASSIGN(r.display_cells, empty_cells(device, tables.cells));
   FL_ASSIGN(r.display_jobs, vk::Buffer::table(device, tables.jobs));
   return {};
 }

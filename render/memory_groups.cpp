@@ -55,7 +55,8 @@ std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
   known += groups.add("mirror balls", {&rig.mirror_balls, &rig.mirror_pairs, &rig.mirror_normals, &rig.mirror_picks});
   known += groups.add("panes", {&rig.panes, &rig.pane_texels, &rig.pane_masks, &rig.pane_groups, &rig.group_panes,
                                 &rig.pane_grids, &rig.pane_fans, &rig.pane_lines});
-  known += groups.add("displays", {&rig.displays, &rig.display_levels, &rig.display_jobs, &rig.display_cells});
+  known += groups.add("displays", {&rig.displays, &rig.display_levels, &rig.display_jobs, &rig.display_pixels,
+                                   &rig.display_cells});
   return known;
 }
 

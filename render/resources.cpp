@@ -138,6 +138,7 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_DISPLAYS, &R::displays},
     {FL_BINDING_DISPLAY_LEVELS, &R::display_levels},
     {FL_BINDING_DISPLAY_CELLS, &R::display_cells},
+    {FL_BINDING_DISPLAY_PIXELS, &R::display_pixels},
     {FL_BINDING_DISPLAY_JOBS, &R::display_jobs},
     {FL_BINDING_INSTANCES, &R::slots},
     {FL_BINDING_BODY_MESHES, &R::meshes},
@@ -511,6 +512,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_DISPLAYS:
     case FL_BINDING_DISPLAY_LEVELS:
     case FL_BINDING_DISPLAY_CELLS:
+    case FL_BINDING_DISPLAY_PIXELS:
     case FL_BINDING_DISPLAY_JOBS: return display_bytes(binding, shape);
     case FL_BINDING_HAZE: return haze_bytes(shape.needs);
     case FL_BINDING_HAZE_TABLE_OUT: return haze_table_bytes(shape.needs);

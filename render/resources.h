@@ -99,7 +99,8 @@ struct RigTables {
   vk::Buffer pane_groups, group_panes, pane_grids;  // PaneGroupRow, GroupPaneRow, words
   vk::Buffer pane_fans, pane_lines;                 // PaneFansRow; sums of the glass along lines
   vk::Buffer displays, display_levels, display_jobs;  // DisplayRow, DisplayLevelRow, DisplayJobRow
-  vk::Buffer display_cells;                           // words of the cells of displays, on all levels
+  vk::Buffer display_pixels;                          // of displays, three floats each
+  vk::Buffer display_cells;                           // those of displays that are stored, on all their levels
   vk::Buffer gloss;          // GlossRow
   vk::Buffer textures, texture_texels, object_uvs;  // texture_tables.h
   vk::Buffer sheens;                                // SheenRow

@@ -1,10 +1,16 @@
 #include "render/passes/display_cells.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "shaders/displaycells.comp.h"
 
 namespace footlight::render {
+namespace {
+
+constexpr std::uint32_t kGroupsMost = 65'535;  // of a dispatch, on any device with Vulkan
+
+}  // namespace
 
 Result<DisplayCells> DisplayCells::create(const PassContext& context) {
   FL_ASSIGN(BoundPipeline pipeline, BoundPipeline::compute(context, kDisplaycellsComp, {}));
@@ -22,12 +28,15 @@ void DisplayCells::record(VkCommandBuffer commands) {
   record_jobs(commands, rig_->display_live);
 }
 
-// Each level is made of the one below.
+// Each level that is stored is made of the one below.
 void DisplayCells::record_jobs(VkCommandBuffer commands, const DisplayJobs& jobs) {
   for (const DisplayJobRange& range : jobs) {
     pipeline_.bind(commands);
-    pipeline_.pipeline->push(commands, std::as_bytes(std::span(&range.first, 1)));
-    vkCmdDispatch(commands, range.count, 1, 1);
+    for (std::uint32_t done = 0; done < range.count; done += kGroupsMost) {
+      const std::uint32_t first = range.first + done;
+      pipeline_.pipeline->push(commands, std::as_bytes(std::span(&first, 1)));
+      vkCmdDispatch(commands, std::min(range.count - done, kGroupsMost), 1, 1);
+    }
     vk::full_barrier(commands);
   }
 }

@@ -1,5 +1,6 @@
 #version 460
-// Cells of displays: pixels from the levels of their slots, and each level from the one below. One thread a cell.
+// Cells of displays: pixels from the levels of their slots, and each level that is stored from the one below. One
+// thread a cell.
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #define FL_CELLS_ACCESS
@@ -49,8 +50,9 @@ void main() {
   if (cell >= size.columns * size.rows) return;
   uvec2 at = uvec2(cell % size.columns, cell / size.columns);
   if (job.level == 0u) {
-    uvec3 light = floatBitsToUint(light_of_levels(row, at));
-    for (uint c = 0u; c < 3u; ++c) cells[size.first + 3u * cell + c] = light[c];
+    vec3 light = light_of_levels(row, at);
+    uint word = word_of_pixel(row, at);
+    for (uint c = 0u; c < 3u; ++c) display_pixels[word + c] = light[c];
     return;
   }
   uint below = job.level - 1u;
@@ -63,24 +65,12 @@ void main() {
   uvec2 second = first;
   second[axis] += 1u;
   if (second[axis] << shift < pixels) {
-    DisplayCell other = read_cell(row, below, second);
-    float a = extent(first[axis], shift, pixels);
-    float b = extent(second[axis], shift, pixels);
-    float share = b / (a + b);
-    vec3 apart = (other.mean - sum.mean) * (0.5 * share * a);  // the middles are (a + b) / 2 apart
-    sum.mean = mix(sum.mean, other.mean, share);
-    sum.moment_x = mix(sum.moment_x, other.moment_x, share);
-    sum.moment_y = mix(sum.moment_y, other.moment_y, share);
-    if (axis == 0u) {
-      sum.moment_x += apart;
-    } else {
-      sum.moment_y += apart;
-    }
+    sum = joined(sum, read_cell(row, below, second), axis, extent(first[axis], shift, pixels),
+                 extent(second[axis], shift, pixels));
   }
-  uint word = size.first + 6u * cell;
   uvec3 mean = floatBitsToUint(sum.mean);
-  for (uint c = 0u; c < 3u; ++c) cells[word + c] = mean[c];
-  cells[word + 3u] = packHalf2x16(sum.moment_x.xy);
-  cells[word + 4u] = packHalf2x16(vec2(sum.moment_x.z, sum.moment_y.x));
-  cells[word + 5u] = packHalf2x16(sum.moment_y.yz);
+  uint to = 3u * (size.first + cell);
+  cells[to] = mean.xy;
+  cells[to + 1u] = uvec2(mean.z, packHalf2x16(sum.moment_x.xy));
+  cells[to + 2u] = uvec2(packHalf2x16(vec2(sum.moment_x.z, sum.moment_y.x)), packHalf2x16(sum.moment_y.yz));
 }

@@ -596,8 +596,11 @@ TEST_CASE("the cells of a display lie in levels down to one, near squares wherev
       const bool both = from.columns > 1 && from.rows > 1;
       if (both) CHECK((down ? cell_height_m : cell_width_m) <= 2.01 * (down ? cell_width_m : cell_height_m));
     }
-    CHECK(tables.words * 4 ==
-          display_bytes(FL_BINDING_DISPLAY_CELLS, {scene.rig, scene.compiled, scene.compiled.needs, {}}));
+    const auto bytes = [&](std::uint32_t binding) {
+      return display_bytes(binding, {scene.rig, scene.compiled, scene.compiled.needs, {}});
+    };
+    CHECK(bytes(FL_BINDING_DISPLAY_PIXELS) == std::uint64_t{12} * row.columns * row.rows);
+    CHECK(bytes(FL_BINDING_DISPLAY_CELLS) == 24 * tables.cells);
   }
 }
 
@@ -607,7 +610,8 @@ TEST_CASE("a rig without a display has no pass and no buffer for them, and says 
   const auto out = left_out_passes(compiled.needs, {});
   CHECK(std::any_of(out.begin(), out.end(), [](const LeftOutPass& pass) { return pass.name == "displays"; }));
   for (const int binding :
-       {FL_BINDING_DISPLAYS, FL_BINDING_DISPLAY_LEVELS, FL_BINDING_DISPLAY_CELLS, FL_BINDING_DISPLAY_JOBS}) {
+       {FL_BINDING_DISPLAYS, FL_BINDING_DISPLAY_LEVELS, FL_BINDING_DISPLAY_PIXELS, FL_BINDING_DISPLAY_CELLS,
+        FL_BINDING_DISPLAY_JOBS}) {
     CHECK(display_bytes(static_cast<std::uint32_t>(binding), {fixtures::demo_rig(), compiled, compiled.needs, {}}) ==
           0);
   }

@@ -4,7 +4,12 @@ layout(set = 0, binding = FL_BINDING_DISPLAYS, std430) readonly buffer DisplaysB
 layout(set = 0, binding = FL_BINDING_DISPLAY_LEVELS, std430) readonly buffer DisplayLevelsBuffer {
   DisplayLevelRow display_levels[];
 };
-layout(set = 0, binding = FL_BINDING_DISPLAY_CELLS, std430) FL_CELLS_ACCESS buffer DisplayCellsBuffer { uint cells[]; };
+layout(set = 0, binding = FL_BINDING_DISPLAY_CELLS, std430) FL_CELLS_ACCESS buffer DisplayCellsBuffer {
+  uvec2 cells[];  // three each
+};
+layout(set = 0, binding = FL_BINDING_DISPLAY_PIXELS, std430) FL_CELLS_ACCESS buffer DisplayPixelsBuffer {
+  float display_pixels[];
+};
 
 // A level counts from the smallest parts of pixels: FL_DISPLAY_PARTS is that of pixels.
 uvec2 halvings(DisplayRow row, uint level) {
@@ -24,19 +29,45 @@ struct DisplayCell {
   vec3 moment_y;
 };
 
-vec3 read_pixel(DisplayRow row, uvec2 at) {
-  uint word = display_levels[row.level_first].first + 3u * (at.y * row.columns + at.x);
-  return uintBitsToFloat(uvec3(cells[word], cells[word + 1u], cells[word + 2u]));
+// Two cells beside each other, or above each other where axis is 1, with a and b pixels along it.
+DisplayCell joined(DisplayCell first, DisplayCell second, uint axis, float a, float b) {
+  float share = b / (a + b);
+  vec3 apart = (second.mean - first.mean) * (0.5 * share * a);  // the middles are (a + b) / 2 apart
+  DisplayCell cell = DisplayCell(mix(first.mean, second.mean, share), mix(first.moment_x, second.moment_x, share),
+                                 mix(first.moment_y, second.moment_y, share));
+  if (axis == 0u) {
+    cell.moment_x += apart;
+  } else {
+    cell.moment_y += apart;
+  }
+  return cell;
 }
-DisplayCell read_cell(DisplayRow row, uint level, uvec2 at) {
-  if (level == 0u) return DisplayCell(read_pixel(row, at), vec3(0.0), vec3(0.0));
+
+uint word_of_pixel(DisplayRow row, uvec2 at) { return 3u * (row.pixel_first + at.y * row.columns + at.x); }
+vec3 pixel_of_word(uint word) {
+  return vec3(display_pixels[word], display_pixels[word + 1u], display_pixels[word + 2u]);
+}
+vec3 read_pixel(DisplayRow row, uvec2 at) { return pixel_of_word(word_of_pixel(row, at)); }
+DisplayCell read_stored(DisplayRow row, uint level, uvec2 at) {
   DisplayLevelRow size = display_levels[row.level_first + level];
-  uint word = size.first + 6u * (at.y * size.columns + at.x);
-  vec2 a = unpackHalf2x16(cells[word + 3u]);
-  vec2 b = unpackHalf2x16(cells[word + 4u]);
-  vec2 c = unpackHalf2x16(cells[word + 5u]);
-  return DisplayCell(uintBitsToFloat(uvec3(cells[word], cells[word + 1u], cells[word + 2u])), vec3(a, b.x),
-                     vec3(b.y, c));
+  uint first = 3u * (size.first + at.y * size.columns + at.x);
+  uvec2 a = cells[first];
+  uvec2 b = cells[first + 1u];
+  uvec2 c = cells[first + 2u];
+  vec2 down = unpackHalf2x16(c.x);
+  return DisplayCell(uintBitsToFloat(uvec3(a, b.x)), vec3(unpackHalf2x16(b.y), down.x),
+                     vec3(down.y, unpackHalf2x16(c.y)));
+}
+// A pixel is two that are one, as is a cell of level 1 that has only one.
+DisplayCell read_cell(DisplayRow row, uint level, uvec2 at) {
+  if (level >= uint(FL_DISPLAY_STORED)) return read_stored(row, level, at);
+  uint axis = row.axes & 1u;
+  uvec2 first = at << (axis == 0u ? uvec2(level, 0u) : uvec2(0u, level));
+  bool is_two = level != 0u && (axis == 0u ? first.x + 1u < row.columns : first.y + 1u < row.rows);
+  uint word = word_of_pixel(row, first);
+  DisplayCell one = DisplayCell(pixel_of_word(word), vec3(0.0), vec3(0.0));
+  word += is_two ? 3u * (axis == 0u ? 1u : row.columns) : 0u;
+  return joined(one, DisplayCell(pixel_of_word(word), vec3(0.0), vec3(0.0)), axis, 1.0, 1.0);
 }
 
 vec3 in_display(DisplayRow row, vec3 v) {

@@ -119,7 +119,8 @@
 #define FL_BINDING_PANES (86 + FL_LAMP_COUNT)
 #define FL_BINDING_PANE_TEXELS (87 + FL_LAMP_COUNT)
 #define FL_BINDING_PANE_MASKS (88 + FL_LAMP_COUNT)
-// Displays (displays.comp): DisplayRow; DisplayLevelRow; the words of their cells, on all levels; DisplayJobRow.
+// Displays (displays.comp): DisplayRow; DisplayLevelRow; the words of their cells from level 2 on; DisplayJobRow; the
+// pixels of all, three floats each.
 #define FL_BINDING_DISPLAYS (89 + FL_LAMP_COUNT)
 #define FL_BINDING_DISPLAY_LEVELS (90 + FL_LAMP_COUNT)
 #define FL_BINDING_DISPLAY_CELLS (91 + FL_LAMP_COUNT)
@@ -172,7 +173,8 @@
 #define FL_BINDING_GOBO_BLURS (123 + FL_LAMP_COUNT)
 #define FL_BINDING_GOBO_BLURS_OUT (124 + FL_LAMP_COUNT)
 #define FL_BINDING_PIXEL_BOXES (125 + FL_LAMP_COUNT)  // numbers of stage boxes, one word a pixel; FL_NONE: none
-#define FL_BINDING_COUNT (126 + FL_LAMP_COUNT)
+#define FL_BINDING_DISPLAY_PIXELS (126 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (127 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -540,19 +542,19 @@ struct DisplayRow {
   uint universe_pixels;  // in others
   uint order;            // FL_ORDER_...
   float gamma;
-  uint pad_0;
-  uint pad_1;
+  uint pixel_first;  // of all displays' pixels
+  uint pad;
 };
 #define FL_DISPLAY_PARTS 16  // a pixel may be halved so many times where it is near
 #define FL_ORDER_COLUMNS 1u
 #define FL_ORDER_SERPENTINE 2u
 #define FL_ORDER_FROM_RIGHT 4u
 #define FL_ORDER_FROM_BOTTOM 8u
-// A cell of the lowest level is a pixel, 3 words: its light, share of DisplayRow::light. Others have 6: the mean share,
-// then half floats of its moments: the mean of the share times the distance from the middle of the cell, in pixels, to
-// the right and then down.
+// A cell of the lowest level is a pixel: its light, share of DisplayRow::light. Those of level 1, two pixels each, are
+// computed where they are read. Others have 6 words, in pairs: the mean share, then half floats of its moments: the
+// mean of the share times the distance from the middle of the cell, in pixels, to the right and then down.
 struct DisplayLevelRow {
-  uint first;  // word
+  uint first;  // of all displays' stored cells; 0 below FL_DISPLAY_STORED
   uint columns;
   uint rows;
   uint pad;
@@ -564,6 +566,7 @@ struct DisplayJobRow {
   uint first;
   uint pad;
 };
+#define FL_DISPLAY_STORED 2  // the lowest level whose cells are stored
 #define FL_GROUP_DISPLAY 64  // cells a workgroup
 
 // Light of displays is smooth on what a square of the picture shows of one plane, and in the air before it. A record is

@@ -106,6 +106,28 @@ TEST_CASE("the light of a display's pixels is that of the picture within 1e-5 of
   print_error("light of 1920x1080 as one pixel", large);
 }
 
+TEST_CASE("the light of a picture is the same in memory that is used again, and stays while it is held") {
+  const LightCurve256 curve = light_curve(0);
+  const Picture first = picture_of(1, 160, 90), second = picture_of(2, 160, 90);
+  for (const auto& [columns, rows] : {std::pair{160, 90}, {48, 27}}) {
+    CAPTURE(columns);
+    const PaneImage one = light_of(first, curve, columns, rows), two = light_of(second, curve, columns, rows);
+    std::shared_ptr<const PaneImage> held, let_go;
+    {
+      LightImages images;
+      held = images.light_of(first, curve, columns, rows);
+      let_go = images.light_of(first, curve, columns, rows);
+      const glm::vec3* const memory = let_go->texels.data();
+      CHECK(held->texels.data() != memory);
+      let_go.reset();
+      let_go = images.light_of(second, curve, columns, rows);
+      CHECK(let_go->texels.data() == memory);
+    }
+    CHECK(held->texels == one.texels);
+    CHECK(let_go->texels == two.texels);
+  }
+}
+
 TEST_CASE("a lossless clip has the light of the pictures that it was made of, and a usual one nearly") {
   const TempFolder folder;
   write_clip(folder.file("a.mkv"), 3);

@@ -36,13 +36,14 @@ double cpu_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SE
 
 Result<Measured> measure(Clip& clip, const Options& options, int columns, int rows) {
   const LightCurve256 curve = light_curve(options.gamma);
+  fixtures::PaneImage light;
   Measured sum;
   sum.pictures = static_cast<int>(std::min(static_cast<std::size_t>(options.pictures), clip.count()));
   for (int i = 0; i < sum.pictures; ++i) {
     const double start_ms = cpu_ms();
     FL_ASSIGN(const drivers::Picture* const picture, clip.picture(static_cast<std::size_t>(i)));
     const double decoded_ms = cpu_ms();
-    const fixtures::PaneImage light = light_of(*picture, curve, columns, rows);
+    set_light(*picture, curve, columns, rows, light);
     sum.light_ms += cpu_ms() - decoded_ms;
     sum.decode_ms += decoded_ms - start_ms;
     glm::dvec3 mean(0);

@@ -46,7 +46,7 @@ std::size_t ClipFeed::replaced() const {
 
 Result<ClipLight> ClipFeed::make(std::size_t index) {
   FL_ASSIGN(const drivers::Picture* const picture, clip_->picture(index));
-  return ClipLight{index, std::make_shared<const fixtures::PaneImage>(light_of(*picture, curve_, columns_, rows_))};
+  return ClipLight{index, images_.light_of(*picture, curve_, columns_, rows_)};
 }
 
 Result<ClipLight> ClipFeed::at(DurationNs show_ns) { return at_clip(clip_time_ns(video_, show_ns, duration_ns_)); }

@@ -55,6 +55,7 @@ class ClipFeed {
   // Of the thread, if there is one.
   std::unique_ptr<Clip> clip_;
   LightCurve256 curve_;
+  LightImages images_;
   int columns_;
   int rows_;
 

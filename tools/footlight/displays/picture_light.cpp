@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 #include "fixtures/model/srgb.h"
@@ -59,6 +61,16 @@ void take_row(const std::uint8_t* row, const LightCurve256& curve, const std::ve
   }
 }
 
+// Each pixel of the picture is one of the display.
+void take_codes(const drivers::PictureView& view, const LightCurve256& curve, glm::vec3* out) {
+  for (int y = 0; y < view.height; ++y) {
+    const std::uint8_t* at = view.row(y);
+    for (int x = 0; x < view.width; ++x, at += 3) *out++ = {curve[at[0]], curve[at[1]], curve[at[2]]};
+  }
+}
+
+constexpr std::size_t kSpareMost = 2;  // images without a holder
+
 }  // namespace
 
 LightCurve256 light_curve(double gamma) {
@@ -72,9 +84,21 @@ LightCurve256 light_curve(double gamma) {
 }
 
 fixtures::PaneImage light_of(const drivers::Picture& picture, const LightCurve256& curve, int columns, int rows) {
-  const std::vector<Part> across = parts_of(picture.width, columns), down = parts_of(picture.height, rows);
-  fixtures::PaneImage light{columns, rows, {}};
+  fixtures::PaneImage light;
+  set_light(picture, curve, columns, rows, light);
+  return light;
+}
+
+void set_light(const drivers::Picture& picture, const LightCurve256& curve, int columns, int rows,
+               fixtures::PaneImage& light) {
+  light.width = columns;
+  light.height = rows;
   light.texels.resize(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  if (columns == picture.width && rows == picture.height) {
+    take_codes(picture.view(), curve, light.texels.data());
+    return;
+  }
+  const std::vector<Part> across = parts_of(picture.width, columns), down = parts_of(picture.height, rows);
   std::vector<glm::vec3> line(static_cast<std::size_t>(columns));
   const drivers::PictureView view = picture.view();
   int taken = -1;  // the row that is in `line`; a row of the picture may count for two of the display
@@ -90,7 +114,34 @@ fixtures::PaneImage light_of(const drivers::Picture& picture, const LightCurve25
     }
     out += columns;
   }
-  return light;
+}
+
+struct LightImages::Spare {
+  std::mutex mutex;
+  std::vector<std::unique_ptr<fixtures::PaneImage>> images;
+};
+
+std::shared_ptr<const fixtures::PaneImage> LightImages::light_of(const drivers::Picture& picture,
+                                                                 const LightCurve256& curve, int columns, int rows) {
+  if (!spare_) {
+    spare_ = std::make_shared<Spare>();
+    spare_->images.reserve(kSpareMost);
+  }
+  std::unique_ptr<fixtures::PaneImage> image;
+  {
+    const std::lock_guard lock(spare_->mutex);
+    if (!spare_->images.empty()) {
+      image = std::move(spare_->images.back());
+      spare_->images.pop_back();
+    }
+  }
+  if (!image) image = std::make_unique<fixtures::PaneImage>();
+  set_light(picture, curve, columns, rows, *image);
+  return {image.release(), [spare = spare_](fixtures::PaneImage* done) {
+            std::unique_ptr<fixtures::PaneImage> own(done);
+            const std::lock_guard lock(spare->mutex);
+            if (spare->images.size() < kSpareMost) spare->images.push_back(std::move(own));
+          }};
 }
 
 }  // namespace footlight::tools
