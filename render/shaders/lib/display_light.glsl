@@ -119,8 +119,8 @@ vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float
       seen.area = seen.side.x * seen.side.y;
       seen.per_m = per_m;
       seen.is_whole = !is_pixel;
-      DisplayCell cell = is_pixel ? read_cell(row, 0u, at >> (parts - shift))
-                                  : read_cell(row, level - uint(FL_DISPLAY_PARTS), at);
+      uint cell_level = is_pixel ? 0u : level - uint(FL_DISPLAY_PARTS);
+      DisplayCell cell = read_cell(row, cell_level, is_pixel ? at >> (parts - shift) : at);
       sum += in_air ? cell_in_air(cell, seen, towards) : cell_on_surface(cell, seen, towards);
     }
     // The next cell in the order of the halves.
