@@ -1,5 +1,5 @@
 #version 460
-// Draws the shadow map of a beam (lib/shadow_map.glsl), a workgroup a beam. Bodies that may hide its light are gathered
+// Draws the shadow map of a beam (lib/shadow_map.glsl), a workgroup a beam. Bodies that may hide its light are listed
 // some hundred at a time; each thread keeps what its block of texels meets first. The smallest distance does not depend
 // on their order.
 #extension GL_GOOGLE_include_directive : require
@@ -42,8 +42,9 @@ struct MapSolid {
   vec4 rect;  // of rho: least x, y, most x, y
   float slack_m;  // as OccluderRow
 };
-shared MapSolid solids[kThreads];
+shared uint solid_ids[2u * kThreads];  // of bodies that may hide light of the beam
 shared uint solid_count;
+shared MapSolid solids[kThreads];
 shared uint group_ids[kThreads];
 shared uint group_count;
 shared uint nearest_bits[FL_MAP_CELLS * FL_MAP_CELLS];  // of half floats, which are in the order of their bits
@@ -129,20 +130,26 @@ void list_groups(uint first, uint groups, BeamRow row, BeamShape beam) {
   barrier();
 }
 
-// Gathers what may hide light among the bodies of the listed groups, from the one numbered `base` there on, one a
-// thread. All threads call it together.
-void gather_solids(uint base, uint all, BeamRow row, BeamShape beam, uint fixture) {
-  uint own = base + gl_LocalInvocationIndex;
-  barrier();  // the solids have been read
-  if (gl_LocalInvocationIndex == 0u) solid_count = 0u;
-  barrier();
+// Where the search for bodies is: groups from `first` on are listed, and rows of these from the one numbered `base` on
+// are next; found: so many bodies are on the list.
+struct Search {
+  uint first;
+  uint base;
+  uint found;
+};
+// Adds what may hide light among the next rows to the list, a row a thread. All threads call it together.
+void find_solids(inout Search search, uint groups, uint all, BeamRow row, BeamShape beam, uint fixture) {
+  if (search.base == 0u) list_groups(search.first, groups, row, beam);
+  uint own = search.base + gl_LocalInvocationIndex;
   if (own < group_count * uint(FL_OCCLUDER_GROUP)) {
     uint at = group_ids[own / uint(FL_OCCLUDER_GROUP)] * uint(FL_OCCLUDER_GROUP) + own % uint(FL_OCCLUDER_GROUP);
-    if (at < all && may_hide(occluders[at], row, beam, fixture)) {
-      solids[atomicAdd(solid_count, 1u)] = map_solid(occluders[at], row, beam);
-    }
+    if (at < all && may_hide(occluders[at], row, beam, fixture)) solid_ids[atomicAdd(solid_count, 1u)] = at;
   }
+  search.base += kThreads;
+  if (search.base >= group_count * uint(FL_OCCLUDER_GROUP)) search = Search(search.first + kThreads, 0u, 0u);
   barrier();
+  search.found = solid_count;
+  barrier();  // all threads go on with the same number
 }
 
 void main() {
@@ -172,12 +179,19 @@ void main() {
       passed[t] = kNone;
     }
     found_all = 0u;
-    for (uint first = 0u; first < groups; first += kThreads) {
-      list_groups(first, groups, row, beam);
-      for (uint base = 0u; base < group_count * uint(FL_OCCLUDER_GROUP); base += kThreads) {
-        gather_solids(base, all, row, beam, fixture);
-        uint count = solid_count;
-        found_all += count;
+    Search search = Search(0u, 0u, 0u);
+    while (search.first < groups) {
+      barrier();  // the list before this one has been read
+      if (lane == 0u) solid_count = 0u;
+      search.found = 0u;
+      barrier();
+      while (search.first < groups && search.found < kThreads) find_solids(search, groups, all, row, beam, fixture);
+      found_all += search.found;
+      for (uint base = 0u; base < search.found; base += kThreads) {
+        uint count = min(search.found - base, kThreads);
+        barrier();  // the solids before these have been read
+        if (lane < count) solids[lane] = map_solid(occluders[solid_ids[base + lane]], row, beam);
+        barrier();
         // Each thread goes on to the next body of its own block: most are in few blocks.
         for (uint word = 0u; word < count; word += 32u) {
           uint bits = 0u;
