@@ -29,7 +29,8 @@ class ShaftsPass final : public Pass {
         groups_(context.resources.rig.pane_group_count),
         lines_(context.resources.rig.pane_lines_most),
         tiles_x_(tile_groups(context.settings.width)),
-        tiles_y_(has_tables ? groups_of(context.settings.height, FL_SHAFT_ROWS) : tile_groups(context.settings.height)),
+        tiles_y_(has_tables ? groups_of(static_cast<std::uint32_t>(context.settings.height), FL_SHAFT_ROWS)
+                            : tile_groups(context.settings.height)),
         steps_(std::move(steps)) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
