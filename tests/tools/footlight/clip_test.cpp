@@ -2,12 +2,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <deque>
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <mutex>
 #include <random>
 #include <thread>
 
@@ -126,6 +129,47 @@ TEST_CASE("the light of a picture is the same in memory that is used again, and 
     CHECK(held->texels == one.texels);
     CHECK(let_go->texels == two.texels);
   }
+}
+
+TEST_CASE("images that another thread lets go of while new ones are made have the light of their pictures") {
+  const LightCurve256 curve = light_curve(0);
+  constexpr int kPictures = 4, kImages = 400;
+  std::vector<Picture> pictures;
+  std::vector<PaneImage> fresh;
+  for (int i = 0; i < kPictures; ++i) {
+    pictures.push_back(picture_of(i, 64, 36));
+    fresh.push_back(light_of(pictures.back(), curve, 64, 36));
+  }
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<std::shared_ptr<const PaneImage>> given;
+  // It holds at most three images, compares the oldest one, and lets go of it without the lock.
+  int wrong = 0;
+  std::thread holder([&] {
+    for (int i = 0; i < kImages; ++i) {
+      std::shared_ptr<const PaneImage> image;
+      {
+        std::unique_lock lock(mutex);
+        changed.wait(lock, [&] { return !given.empty(); });
+        image = std::move(given.front());
+        given.pop_front();
+      }
+      changed.notify_one();
+      if (image->texels != fresh[static_cast<std::size_t>(i % kPictures)].texels) ++wrong;
+    }
+  });
+  {
+    LightImages images;
+    for (int i = 0; i < kImages; ++i) {
+      auto image = images.light_of(pictures[static_cast<std::size_t>(i % kPictures)], curve, 64, 36);
+      std::unique_lock lock(mutex);
+      changed.wait(lock, [&] { return given.size() < 3; });
+      given.push_back(std::move(image));
+      changed.notify_one();
+    }
+  }
+  holder.join();
+  CHECK(wrong == 0);
 }
 
 TEST_CASE("a lossless clip has the light of the pictures that it was made of, and a usual one nearly") {
@@ -344,6 +388,26 @@ TEST_CASE("a feed that decodes ahead comes to the pictures of an exact one, forw
   }
   // The same picture is the same object: nothing is computed again.
   CHECK(must(exact->at(5 * kPictureNs)).pixels == must(exact->at(5 * kPictureNs + kNsPerMs)).pixels);
+}
+
+TEST_CASE("as many pictures are decoded ahead as have room in 160 MiB, but two to four") {
+  CHECK(pictures_ahead(16, 9) == 4);
+  CHECK(pictures_ahead(1920, 1080) == 4);
+  CHECK(pictures_ahead(2560, 1440) == 3);
+  CHECK(pictures_ahead(3840, 2160) == 2);
+  CHECK(pictures_ahead(4096, 4096) == 2);
+  const TempFolder folder;
+  write_clip(folder.file("a.mkv"), 30);
+  fixtures::Display display = display_of(folder.file("a.mkv"));
+  const auto bytes_of_pictures = [&](ClipPace pace) {
+    const std::uint64_t pixels = static_cast<std::uint64_t>(display.columns) * static_cast<std::uint64_t>(display.rows);
+    return must(ClipFeed::open(display, pace))->bytes_most() / (pixels * sizeof(glm::vec3));
+  };
+  CHECK(bytes_of_pictures(ClipPace::kAhead) == 5);
+  CHECK(bytes_of_pictures(ClipPace::kExact) == 2);
+  display.columns = 3840;
+  display.rows = 2160;
+  CHECK(bytes_of_pictures(ClipPace::kAhead) == 3);
 }
 
 TEST_CASE("after a jump back a feed that decodes ahead shows the last picture until the right one is ready") {
