@@ -23,6 +23,9 @@ class DisplayFilms {
   // commands of the record() before must be finished.
   // levels: universes x 512 bytes; empty: all are 0.
   void record(VkCommandBuffer commands, RigTables& rig, std::span<const std::uint8_t> levels);
+  // What pixels are copied to before they go to the tables, of displays and of projections.
+  [[nodiscard]] std::uint64_t display_bytes() const { return staged_.size_bytes; }
+  [[nodiscard]] std::uint64_t projection_bytes() const { return projections_.bytes(); }
 
  private:
   struct Film {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "fixtures/displays/screen_motion.h"
 
@@ -151,12 +152,12 @@ std::uint64_t display_bytes(std::uint32_t binding, const MemoryShape& shape) {
 
 Status make_display_tables(vk::Device& device, const MemoryShape& shape, RigTables& r) {
   const DisplayTables tables = display_tables(shape.rig, shape.compiled);
-  const std::uint64_t bytes = std::max(tables.pixels * kPixelBytes, tables.cells * kCellBytes);
-  if (bytes > device.limits().maxStorageBufferRange) {
-    return fail(
-        ErrorCode::kUnsupported,
-        "{}: maxStorageBufferRange is {}, needed: {} bytes for the pixels of displays; use fewer columns or rows",
-        device.name(), device.limits().maxStorageBufferRange, bytes);
+  for (const auto& [bytes, what] : {std::pair(tables.pixels * kPixelBytes, "pixels"),
+                                    std::pair(tables.cells * kCellBytes, "cells of pixels")}) {
+    if (bytes <= device.limits().maxStorageBufferRange) continue;
+    return fail(ErrorCode::kUnsupported,
+                "{}: maxStorageBufferRange is {}, needed: {} bytes for the {} of displays; use fewer columns or rows",
+                device.name(), device.limits().maxStorageBufferRange, bytes, what);
   }
   r.display_still = tables.still;
   r.display_live = tables.live;

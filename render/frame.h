@@ -203,7 +203,8 @@ class Frame {
   [[nodiscard]] const std::vector<PassPlan>& plan() const { return plan_; }
   [[nodiscard]] const FrameSettings& settings() const { return settings_; }
   [[nodiscard]] Resources& resources() { return resources_; }
-  // GPU memory, including that of passes.
+  [[nodiscard]] const DisplayFilms& films() const { return films_; }
+  // Memory of all buffers and images, including those of passes and those of the host that films are copied to.
   [[nodiscard]] std::uint64_t bytes() const;
 
  private:

@@ -47,6 +47,8 @@ class GoboFilms {
   // Copies what is new, also of pixel maps at these levels (universes x 512 bytes; empty: all are 0). The commands of
   // the record() before must be finished.
   void record(VkCommandBuffer commands, const RigTables& rig, std::span<const std::uint8_t> levels);
+  // What pictures are copied to before they go to the gobo images.
+  [[nodiscard]] std::uint64_t bytes() const { return staged_.size_bytes; }
 
  private:
   struct Film {

@@ -13,12 +13,12 @@ using Images = std::initializer_list<const vk::Image*>;
 
 class Groups {
  public:
-  // Returns the bytes of the group.
-  std::uint64_t add(const char* name, Buffers buffers, Images images = {}) {
+  // others: bytes of the group that are in none of these. Returns the bytes without them.
+  std::uint64_t add(const char* name, Buffers buffers, Images images = {}, std::uint64_t others = 0) {
     std::uint64_t bytes = 0;
     for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
     for (const vk::Image* image : images) bytes += image->size_bytes;
-    add(name, bytes);
+    add(name, bytes + others);
     return bytes;
   }
   void add(const char* name, std::uint64_t bytes) {
@@ -30,7 +30,8 @@ class Groups {
   std::vector<MemoryGroup> groups_;
 };
 
-std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
+// Returns the bytes without those of the films.
+std::uint64_t add_rig(const RigTables& rig, const DisplayFilms& films, Groups& groups) {
   std::uint64_t known =
       groups.add("tables of fixtures",
                  {&rig.types, &rig.channels, &rig.functions, &rig.masters, &rig.motors, &rig.spins, &rig.joints,
@@ -44,7 +45,8 @@ std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
                        &rig.occluders, &rig.body_boxes, &rig.choices, &rig.drawn, &rig.body_spaces, &rig.body_rounds,
                        &rig.object_shells, &rig.textures, &rig.texture_texels, &rig.object_uvs});
   known += groups.add("gobos", {&rig.gobo_tables, &rig.gobo_queue, &rig.gates},
-                      {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gobo_blurs, &rig.gate_images});
+                      {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gobo_blurs, &rig.gate_images},
+                      films.projection_bytes());
   known += groups.add("beams", {&rig.beams, &rig.blades});
   known += groups.add("shadows", {&rig.shadow_lists, &rig.shadows, &rig.shadow_maps});
   known += groups.add("reflected light", {&rig.bounce_solids, &rig.bounce_tree, &rig.bounce_patch_rows,
@@ -56,7 +58,7 @@ std::uint64_t add_rig(const RigTables& rig, Groups& groups) {
   known += groups.add("panes", {&rig.panes, &rig.pane_texels, &rig.pane_masks, &rig.pane_groups, &rig.group_panes,
                                 &rig.pane_grids, &rig.pane_fans, &rig.pane_lines});
   known += groups.add("displays", {&rig.displays, &rig.display_levels, &rig.display_jobs, &rig.display_pixels,
-                                   &rig.display_cells});
+                                   &rig.display_cells}, {}, films.display_bytes());
   return known;
 }
 
@@ -84,10 +86,12 @@ std::uint64_t add_picture(const PictureImages& picture, Groups& groups) {
 std::vector<MemoryGroup> memory_groups(Frame& frame) {
   const Resources& resources = frame.resources();
   Groups groups;
-  const std::uint64_t known = add_rig(resources.rig, groups) + add_picture(resources.picture, groups);
+  const DisplayFilms& films = frame.films();
+  const std::uint64_t known = add_rig(resources.rig, films, groups) + add_picture(resources.picture, groups);
   // Buffers that have no group of their own, and are in the sum all the same.
   groups.add("parameters and others", resources.total_bytes - std::min(known, resources.total_bytes));
-  groups.add("mirrored picture, and of passes alone", frame.bytes() - std::min(resources.total_bytes, frame.bytes()));
+  const std::uint64_t others = resources.total_bytes + films.display_bytes() + films.projection_bytes();
+  groups.add("mirrored picture, and of passes alone", frame.bytes() - std::min(others, frame.bytes()));
   std::vector<MemoryGroup> all = groups.take();
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.bytes > b.bytes; });
   return all;

@@ -17,6 +17,7 @@
 #include "render/frame.h"
 #include "render/gobo_films.h"
 #include "render/gobo_tables.h"
+#include "render/memory_groups.h"
 #include "render/reference/display_judge.h"
 #include "tests/fixtures/files/gdtf_xml.h"
 #include "tests/render/scenes.h"
@@ -117,6 +118,28 @@ TEST_CASE("a film shows to the bit what an image of its pixels shows, and is dar
   (void)drawn(*frame, scene);
   must(frame->change(judged_settings(kWidth, kHeight)));
   CHECK(drawn(*frame, scene) == still(pixels_of(2)));
+}
+
+TEST_CASE("the bytes of a frame have what the pixels of a film are copied to, in the group of displays") {
+  HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene film = film_scene();
+  Scene still = film;
+  still.rig.displays[1].image = pixels_of(1);
+  still.compile();
+  const auto with = make_frame(vulkan.device(), film, judged_settings(kWidth, kHeight));
+  const auto without = make_frame(vulkan.device(), still, judged_settings(kWidth, kHeight));
+  const auto displays_of = [](Frame& frame) {
+    std::uint64_t sum = 0, found = 0;
+    for (const MemoryGroup& group : memory_groups(frame)) {
+      sum += group.bytes;
+      if (group.name == "displays") found = group.bytes;
+    }
+    CHECK(sum == frame.bytes());
+    return found;
+  };
+  CHECK(with->bytes() - without->bytes() == 17 * 9 * kPixelBytes);
+  CHECK(displays_of(*with) - displays_of(*without) == 17 * 9 * kPixelBytes);
 }
 
 TEST_CASE("a screen that its fixture dims shows to the bit what a display of that luminance shows") {

@@ -106,28 +106,6 @@ TEST_CASE("the light of a display's pixels is that of the picture within 1e-5 of
   print_error("light of 1920x1080 as one pixel", large);
 }
 
-TEST_CASE("the light of a picture is the same in memory that is used again, and stays while it is held") {
-  const LightCurve256 curve = light_curve(0);
-  const Picture first = picture_of(1, 160, 90), second = picture_of(2, 160, 90);
-  for (const auto& [columns, rows] : {std::pair{160, 90}, {48, 27}}) {
-    CAPTURE(columns);
-    const PaneImage one = light_of(first, curve, columns, rows), two = light_of(second, curve, columns, rows);
-    std::shared_ptr<const PaneImage> held, let_go;
-    {
-      LightImages images;
-      held = images.light_of(first, curve, columns, rows);
-      let_go = images.light_of(first, curve, columns, rows);
-      const glm::vec3* const memory = let_go->texels.data();
-      CHECK(held->texels.data() != memory);
-      let_go.reset();
-      let_go = images.light_of(second, curve, columns, rows);
-      CHECK(let_go->texels.data() == memory);
-    }
-    CHECK(held->texels == one.texels);
-    CHECK(let_go->texels == two.texels);
-  }
-}
-
 TEST_CASE("a lossless clip has the light of the pictures that it was made of, and a usual one nearly") {
   const TempFolder folder;
   write_clip(folder.file("a.mkv"), 3);
@@ -344,6 +322,26 @@ TEST_CASE("a feed that decodes ahead comes to the pictures of an exact one, forw
   }
   // The same picture is the same object: nothing is computed again.
   CHECK(must(exact->at(5 * kPictureNs)).pixels == must(exact->at(5 * kPictureNs + kNsPerMs)).pixels);
+}
+
+TEST_CASE("as many pictures are decoded ahead as have room in 160 MiB, but two to four") {
+  CHECK(pictures_ahead(16, 9) == 4);
+  CHECK(pictures_ahead(1920, 1080) == 4);
+  CHECK(pictures_ahead(2560, 1440) == 3);
+  CHECK(pictures_ahead(3840, 2160) == 2);
+  CHECK(pictures_ahead(4096, 4096) == 2);
+  const TempFolder folder;
+  write_clip(folder.file("a.mkv"), 30);
+  fixtures::Display display = display_of(folder.file("a.mkv"));
+  const auto bytes_of_pictures = [&](ClipPace pace) {
+    const std::uint64_t pixels = static_cast<std::uint64_t>(display.columns) * static_cast<std::uint64_t>(display.rows);
+    return must(ClipFeed::open(display, pace))->bytes_most() / (pixels * sizeof(glm::vec3));
+  };
+  CHECK(bytes_of_pictures(ClipPace::kAhead) == 5);
+  CHECK(bytes_of_pictures(ClipPace::kExact) == 2);
+  display.columns = 3840;
+  display.rows = 2160;
+  CHECK(bytes_of_pictures(ClipPace::kAhead) == 3);
 }
 
 TEST_CASE("after a jump back a feed that decodes ahead shows the last picture until the right one is ready") {

@@ -93,6 +93,27 @@ TEST_CASE("displays get a content in their own pixels, and nothing while nothing
   CHECK(taken.of[1].texels[0].g == doctest::Approx(0.2));
 }
 
+TEST_CASE("contents that are not shown are dropped where all together have more bytes than are kept") {
+  const testing::TempFolder folder;
+  const fixtures::Rig rig = must(fixtures::parse_rig(
+      "[rig]\nname = \"x\"\n[[fixture]]\nname = \"Server\"\ntype = \"generic/media-server\"\nuniverse = 1\n"
+      "address = 1\nposition = [0, 0, 0]\nmedia = [{ number = 1 }, { number = 2 }, { number = 3 }]\n"
+      "[[display]]\nposition = [0, 2, 1]\nwidth_m = 2\nheight_m = 1\ncolumns = 8\nrows = 4\nsource = \"Server\"\n",
+      folder.file("rig.toml")));
+  constexpr std::uint64_t kBytes = 8 * 4 * sizeof(glm::vec3);  // of a content
+  for (const auto& [kept, after] : {std::pair(kSourceBytesKept, 3 * kBytes), {2 * kBytes, kBytes}}) {
+    const auto player = fixtures::MediaPlayer::make(rig, must(fixtures::compile(rig)));
+    MediaPictures pictures = must(MediaPictures::open(rig, ClipPace::kExact, kept));
+    Taken taken;
+    for (const int number : {1, 2, 3}) {
+      player->step(levels_of(number), 0);
+      must(pictures.give_changes(*player, taken.give()));
+      CHECK(taken.of[0].texels == std::vector<glm::vec3>(8 * 4, glm::vec3(1)));
+      CHECK(pictures.bytes() == (number == 3 ? after : static_cast<std::uint64_t>(number) * kBytes));
+    }
+  }
+}
+
 // A wall of 8 x 4 pixels, and a server with a picture of 16 x 8, of which each second pixel is white (1), the same in
 // the quarter at the top right (2), even light (3) and a video (4).
 fixtures::Rig placed_rig(const testing::TempFolder& folder) {

@@ -8,18 +8,32 @@
 
 namespace footlight::tools {
 
-ClipFeed::ClipFeed(std::unique_ptr<Clip> clip, const fixtures::Display& display)
+namespace {
+
+std::uint64_t light_bytes(int columns, int rows) {
+  return static_cast<std::uint64_t>(columns) * static_cast<std::uint64_t>(rows) * sizeof(glm::vec3);
+}
+
+}  // namespace
+
+std::size_t pictures_ahead(int columns, int rows) {
+  return static_cast<std::size_t>(
+      std::clamp<std::uint64_t>(kClipBytesAhead / light_bytes(columns, rows), 2, kClipsAhead));
+}
+
+ClipFeed::ClipFeed(std::unique_ptr<Clip> clip, const fixtures::Display& display, ClipPace pace)
     : clip_(std::move(clip)),
       curve_(light_curve(display.video->gamma)),
       columns_(display.columns),
       rows_(display.rows),
+      ahead_(pace == ClipPace::kAhead ? pictures_ahead(columns_, rows_) : 1),
       video_(*display.video),
       count_(clip_->count()),
       duration_ns_(clip_->duration_ns()) {}
 
 Result<std::unique_ptr<ClipFeed>> ClipFeed::open(const fixtures::Display& display, ClipPace pace) {
   FL_ASSIGN(auto clip, Clip::open(display.video->path));
-  std::unique_ptr<ClipFeed> feed(new ClipFeed(std::move(clip), display));
+  std::unique_ptr<ClipFeed> feed(new ClipFeed(std::move(clip), display, pace));
   if (pace == ClipPace::kAhead) feed->start();
   return feed;
 }
@@ -38,6 +52,8 @@ void ClipFeed::start() {
   const NoSignals no_signals;
   thread_ = std::thread([this] { work(); });
 }
+
+std::uint64_t ClipFeed::bytes_most() const { return (ahead_ + 1) * light_bytes(columns_, rows_); }
 
 std::size_t ClipFeed::replaced() const {
   const std::lock_guard lock(mutex_);
@@ -80,7 +96,7 @@ std::optional<std::size_t> ClipFeed::next_to_make() const {
   const bool has_wanted =
       std::any_of(ready_.begin(), ready_.end(), [&](const ClipLight& one) { return one.index == *wanted_; });
   if (!has_wanted) return wanted_;
-  if (ready_.size() >= std::min(kClipsAhead, count_)) return std::nullopt;
+  if (ready_.size() >= std::min(ahead_, count_)) return std::nullopt;
   if (ready_.back().index + 1 < count_) return ready_.back().index + 1;
   return video_.loop ? std::optional<std::size_t>(0) : std::nullopt;
 }

@@ -1,12 +1,13 @@
 // The light of a video on a display, for any time of the show.
 //
-// Exact: each call decodes what it needs. Ahead: a thread decodes up to kClipsAhead pictures before they are due, and
-// calls never wait; if the picture is not ready, the newest one before it, or the last one, stays. While the time
+// Exact: each call decodes what it needs. Ahead: a thread decodes pictures_ahead() before they are due, and calls never
+// wait; if the picture is not ready, the newest one before it, or the last one, stays. While the time
 // stands still, the picture of that time comes.
 #pragma once
 
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
@@ -21,6 +22,10 @@
 namespace footlight::tools {
 
 inline constexpr std::size_t kClipsAhead = 4;
+inline constexpr std::uint64_t kClipBytesAhead = std::uint64_t{160} << 20;  // of light
+// With the one that is due, of a display with so many pixels: at most kClipsAhead and kClipBytesAhead, but two, so that
+// the next one is decoded while one is shown.
+[[nodiscard]] std::size_t pictures_ahead(int columns, int rows);
 
 enum class ClipPace { kExact, kAhead };
 
@@ -42,11 +47,13 @@ class ClipFeed {
   // The same at a time of the file.
   [[nodiscard]] Result<ClipLight> at_clip(DurationNs clip_ns);
   [[nodiscard]] DurationNs duration_ns() const { return duration_ns_; }
+  // Of light that this has at most: of pictures that are ready, and of one that is made, or whose memory waits for it.
+  [[nodiscard]] std::uint64_t bytes_most() const;
   // Pictures so far that are damaged or missing, so that another one stands in their place.
   [[nodiscard]] std::size_t replaced() const;
 
  private:
-  ClipFeed(std::unique_ptr<Clip> clip, const fixtures::Display& display);
+  ClipFeed(std::unique_ptr<Clip> clip, const fixtures::Display& display, ClipPace pace);
   [[nodiscard]] Result<ClipLight> make(std::size_t index);
   void start();
   void work();
@@ -58,6 +65,7 @@ class ClipFeed {
   LightImages images_;
   int columns_;
   int rows_;
+  std::size_t ahead_;  // kExact: 1
 
   fixtures::DisplayVideo video_;
   std::size_t count_;  // of the clip

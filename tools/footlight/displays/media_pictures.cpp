@@ -11,8 +11,6 @@
 namespace footlight::tools {
 namespace {
 
-constexpr std::size_t kSourcesKept = 16;  // more are dropped when they are not shown
-
 // The content in the pixels of what shows it.
 fixtures::Display sized_content(const fixtures::Display& content, int columns, int rows) {
   fixtures::Display sized = content;
@@ -50,9 +48,10 @@ std::string damage_news(const std::string& path, std::size_t replaced) {
                      path, counted(replaced, "picture"));
 }
 
-Result<MediaPictures> MediaPictures::open(const fixtures::Rig& rig, ClipPace pace) {
+Result<MediaPictures> MediaPictures::open(const fixtures::Rig& rig, ClipPace pace, std::uint64_t bytes_kept) {
   MediaPictures pictures;
   pictures.pace_ = pace;
+  pictures.bytes_kept_ = bytes_kept;
   for (const fixtures::PatchedFixture& fixture : rig.fixtures) {
     if (!fixture.media) continue;
     for (const fixtures::Media& media : fixture.media->media) {
@@ -166,8 +165,22 @@ Status MediaPictures::give_changes(const fixtures::MediaPlayer& player, const Gi
          std::make_shared<const fixtures::PaneImage>(composed(now.layers, now.share, show.columns, show.rows)));
     given_[s] = std::move(now);
   }
-  if (sources_.size() > kSourcesKept) std::erase_if(sources_, [](const Source& source) { return !source.used; });
+  if (sources_.size() > kSourcesKept || bytes() > bytes_kept_) {
+    std::erase_if(sources_, [](const Source& source) { return !source.used; });
+  }
   return status;
+}
+
+std::uint64_t MediaPictures::Source::bytes() const {
+  if (clip) return clip->bytes_most();
+  const bool is_own = pixels && pixels != std::get<1>(key)->image;
+  return is_own ? pixels->texels.size() * sizeof(glm::vec3) : 0;
+}
+
+std::uint64_t MediaPictures::bytes() const {
+  std::uint64_t sum = 0;
+  for (const Source& source : sources_) sum += source.bytes();
+  return sum;
 }
 
 std::vector<std::string> MediaPictures::take_news() {

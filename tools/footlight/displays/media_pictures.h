@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <future>
 #include <memory>
@@ -17,6 +18,10 @@
 
 namespace footlight::tools {
 
+// Contents that are shown nowhere are kept until there are more, or more bytes of their light.
+inline constexpr std::size_t kSourcesKept = 16;
+inline constexpr std::uint64_t kSourceBytesKept = std::uint64_t{1} << 30;
+
 // Takes columns x rows pixels of what fixtures::shown_at() is of a rig.
 using GivePixels = std::function<void(std::size_t shown, const std::shared_ptr<const fixtures::PaneImage>& pixels)>;
 
@@ -28,13 +33,16 @@ class MediaPictures {
   // Reads each video of the media servers once, so that one that cannot be shown is an error here: that of
   // Clip::open(), with the name of the server. With kAhead a video is opened by a thread when it is first chosen, and
   // the layer shows nothing until then.
-  [[nodiscard]] static Result<MediaPictures> open(const fixtures::Rig& rig, ClipPace pace);
+  [[nodiscard]] static Result<MediaPictures> open(const fixtures::Rig& rig, ClipPace pace,
+                                                  std::uint64_t bytes_kept = kSourceBytesKept);
 
   // Calls `give` for each of the shows of the player whose pixels have changed. Error: of the first video that cannot
   // be decoded; its layer shows nothing from then on.
   Status give_changes(const fixtures::MediaPlayer& player, const GivePixels& give);
   // The next give_changes() gives everything.
   void show_all_again() { given_.clear(); }
+  // Of the light of all contents that it has; of videos as much as they may get.
+  [[nodiscard]] std::uint64_t bytes() const;
   // As DisplayVideos::take_news().
   [[nodiscard]] std::vector<std::string> take_news();
 
@@ -54,6 +62,7 @@ class MediaPictures {
     bool failed = false;
     bool told = false;
     bool used = true;
+    [[nodiscard]] std::uint64_t bytes() const;
   };
   // A layer in the pixels of what shows it.
   struct Placed {
@@ -76,6 +85,7 @@ class MediaPictures {
   Status update_clip(Source& source, const fixtures::MediaLayer& layer);
 
   ClipPace pace_ = ClipPace::kExact;
+  std::uint64_t bytes_kept_ = kSourceBytesKept;
   std::vector<Source> sources_;
   std::vector<Given> given_;  // one each of the shows
 };

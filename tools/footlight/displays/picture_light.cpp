@@ -69,7 +69,7 @@ void take_codes(const drivers::PictureView& view, const LightCurve256& curve, gl
   }
 }
 
-constexpr std::size_t kSpareMost = 2;  // images without a holder
+constexpr std::size_t kSpareMost = 1;  // images without a holder
 
 }  // namespace
 
