@@ -7,8 +7,6 @@
 
 namespace footlight::render {
 
-static_assert(sizeof(glm::vec3) == kPixelBytes, "a pixel of an image is one of the display");
-
 Status DisplayFilms::create(vk::Device& device, const MemoryShape& shape, const RigTables& rig) {
   const auto& displays = shape.rig.displays;
   displays_ = displays.size();

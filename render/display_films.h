@@ -26,6 +26,7 @@ class DisplayFilms {
   // What pixels are copied to before they go to the tables, of displays and of projections.
   [[nodiscard]] std::uint64_t display_bytes() const { return staged_.size_bytes; }
   [[nodiscard]] std::uint64_t projection_bytes() const { return projections_.bytes(); }
+  [[nodiscard]] std::uint64_t bytes() const { return display_bytes() + projection_bytes(); }
 
  private:
   struct Film {

@@ -10,8 +10,6 @@
 namespace footlight::render {
 namespace {
 
-static_assert(sizeof(glm::vec3) == kPixelBytes);
-
 // Sizes of the levels from the pixels up, and the axes of all halvings (DisplayRow::axes).
 struct CellShape {
   std::vector<DisplayLevelRow> levels;

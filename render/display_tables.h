@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <glm/glm.hpp>
+
 #include "render/resources.h"
 
 namespace footlight::render {
@@ -17,6 +19,7 @@ struct DisplayTables {
   std::uint64_t cells = 0;   // that are stored
 };
 inline constexpr std::uint64_t kPixelBytes = 12, kCellBytes = 24;
+static_assert(sizeof(glm::vec3) == kPixelBytes, "a pixel of an image is one of a display");
 [[nodiscard]] DisplayTables display_tables(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled);
 
 // Bytes of the buffer at one of the five bindings.

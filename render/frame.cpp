@@ -218,8 +218,7 @@ bool Frame::draws(const PassEntry& entry) const {
 }
 
 std::uint64_t Frame::bytes() const {
-  std::uint64_t bytes = resources_.total_bytes + (mirror_ ? mirror_->bytes() : 0);
-  bytes += films_.display_bytes() + films_.projection_bytes();
+  std::uint64_t bytes = resources_.total_bytes + films_.bytes() + (mirror_ ? mirror_->bytes() : 0);
   for (const auto& pass : passes_) bytes += pass->own_bytes();
   return bytes;
 }

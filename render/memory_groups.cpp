@@ -90,7 +90,7 @@ std::vector<MemoryGroup> memory_groups(Frame& frame) {
   const std::uint64_t known = add_rig(resources.rig, films, groups) + add_picture(resources.picture, groups);
   // Buffers that have no group of their own, and are in the sum all the same.
   groups.add("parameters and others", resources.total_bytes - std::min(known, resources.total_bytes));
-  const std::uint64_t others = resources.total_bytes + films.display_bytes() + films.projection_bytes();
+  const std::uint64_t others = resources.total_bytes + films.bytes();
   groups.add("mirrored picture, and of passes alone", frame.bytes() - std::min(others, frame.bytes()));
   std::vector<MemoryGroup> all = groups.take();
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.bytes > b.bytes; });

@@ -41,7 +41,7 @@ Scene film_scene() {
       "[rig]\nname = \"Films\"\nambient_lx = 0\n[haze]\nscattering_per_m = 0.03\n"
       "[[display]]\nposition = [-4, 4, 1.9]\nuniverse = 1\n" +
           sizes + "[[display]]\nposition = [0, 4, 1.9]\n" + sizes + "[[display]]\nposition = [4, 4, 1.9]\n" + sizes +
-          "[[box]]\nname = \"Floor\"\nmin = [-20, -20, -1]\nmax = [20, 20, 0]\nalbedo = [0.5, 0.4, 0.3]\n"
+          kFloor +
           "[[camera]]\nname = \"main\"\nposition = [-3, -4, 2]\ntarget = [0, 2.5, 1.2]\nfov_deg = 75\n",
       "films.toml"));
   scene.rig.displays[1].video.emplace();

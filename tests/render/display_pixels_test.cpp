@@ -23,8 +23,6 @@ using namespace render::testing;
 using footlight::testing::HeadlessVulkan;
 
 constexpr int kWidth = 32, kHeight = 18;
-const std::string kFloor =
-    "[[box]]\nname = \"Floor\"\nmin = [-20, -20, -1]\nmax = [20, 20, 0]\nalbedo = [0.5, 0.4, 0.3]\n";
 
 Scene scene_of(const std::string& things) {
   Scene scene;

@@ -21,8 +21,6 @@ using footlight::testing::HeadlessVulkan;
 
 constexpr int kWidth = 320, kHeight = 180;
 
-const std::string kFloor =
-    "[[box]]\nname = \"Floor\"\nmin = [-20, -20, -1]\nmax = [20, 20, 0]\nalbedo = [0.5, 0.4, 0.3]\n";
 const std::string kRisers =
     "[[box]]\nname = \"A\"\nmin = [-1.5, 1, 0]\nmax = [-0.5, 2, 1.4]\nalbedo = [0.5, 0.5, 0.5]\n"
     "[[box]]\nname = \"B\"\nmin = [0.8, 2.2, 0]\nmax = [1.6, 3, 2.2]\nalbedo = [0.2, 0.5, 0.5]\n"

@@ -19,6 +19,10 @@ namespace footlight::render::testing {
 inline constexpr double kDegree = std::numbers::pi / 180;
 inline constexpr std::int64_t kMs = 1'000'000;
 
+// A floor of 40 x 40 m, in the words of a rig file.
+inline const std::string kFloor =
+    "[[box]]\nname = \"Floor\"\nmin = [-20, -20, -1]\nmax = [20, 20, 0]\nalbedo = [0.5, 0.4, 0.3]\n";
+
 // SplitMix64 (Steele, Lea, Flood 2014): the same scenes with every standard library.
 class Random {
  public:

@@ -55,8 +55,6 @@ Scene pane_scene(const std::string& boxes, const std::string& haze = kHaze,
   scene.compile();
   return scene;
 }
-const std::string kFloor =
-    "[[box]]\nname = \"Floor\"\nmin = [-20, -20, -1]\nmax = [20, 20, 0]\nalbedo = [0.5, 0.4, 0.3]\n";
 // One in the shaft, one that reaches through the plane of the pane, one before the pane, which hides nothing, and one
 // that lies in the shadow of the first.
 const std::string kThings =
